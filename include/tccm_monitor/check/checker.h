@@ -1,0 +1,113 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tccm_monitor/check/pose_check.h"
+#include "tccm_monitor/check/verdict.h"
+#include "tccm_monitor/robot/joint_states.h"
+
+namespace tccm {
+
+/// Turns the newest map, joint states and root pose into a verdict, whenever it is asked and
+/// whatever is missing.
+class Checker {
+ public:
+  struct Config {
+    std::string fixed_frame = "?";  ///< for what is told to people
+    PoseCheck::Config pose;
+    JointStates::Config joints;
+    double horizon_s = 0.5;  ///< how far ahead the second pose lies (paper, section VI.B)
+    double joint_timeout_s = 0.1;
+    double transform_timeout_s = 0.5;  ///< age of the root's pose
+    double scan_timeout_periods = 3.0; ///< without a new map, in measured scan periods
+    double map_age_max_s = 0.5;        ///< from the newest scan's stamp to the check
+    double future_max_s = 0.1;         ///< a stamp may lead the check by this much
+    double transform_future_max_s = 0.5;  ///< the same of a transform; many publishers date ahead
+    /// Clear for so long before a stop is released; never less than the map's window.
+    double release_s = 0.0;
+
+    /// @throws ConfigError
+    void validate() const;
+  };
+
+  /// @throws ConfigError
+  Checker(std::shared_ptr<const RobotModel> model, const Config& config);
+
+  /// Other limits and checks from the next check on; how joint states are gathered stays.
+  /// @throws ConfigError, and nothing changes.
+  void reconfigure(const Config& config);
+  [[nodiscard]] const Config& config() const { return config_; }
+
+  /// @return what was taken of it.
+  JointStates::Added addJoints(Time stamp, const std::vector<std::string>& names,
+                               const std::vector<double>& positions,
+                               const std::vector<double>& velocities);
+  /// The robot's root in the fixed frame. One that does not move (the same frame, or static
+  /// transforms alone) never grows old.
+  void setRootPose(Time stamp, const Pose& T_fixed_root, bool is_static);
+  void setMap(Time now, std::shared_ptr<const CuboidMap> map);
+  /// As at the start: after time has jumped back.
+  void reset();
+
+  /// The reference is valid until the next call. @param now not before that of earlier calls.
+  const Verdict& check(Time now);
+
+  struct StateAnswer {
+    Reason reason = Reason::kInit;  ///< kClear: the pose is free
+    std::string detail;
+    std::string link;
+    PoseFindings findings;
+  };
+  /// What a controller asks about: the same checks for a pose that the robot is not in. Joints that
+  /// are not named are taken where they are; one that the robot does not have, or a position that
+  /// is not finite, is answered with kBadQuestion.
+  [[nodiscard]] StateAnswer checkState(Time now, const std::vector<std::string>& names,
+                                       const std::vector<double>& positions);
+
+  [[nodiscard]] const RobotModel& model() const { return *model_; }
+  [[nodiscard]] const CuboidMap* map() const { return map_.get(); }
+  [[nodiscard]] const PoseCheck& poseCheckNow() const { return check_now_; }
+  [[nodiscard]] const PoseCheck& poseCheckAhead() const { return check_ahead_; }
+
+ private:
+  struct Cause {
+    Reason reason = Reason::kClear;
+    std::string detail;
+    std::string link;
+  };
+  struct RootPose {
+    Time stamp;
+    Pose T_fixed_root;
+    bool is_static;
+  };
+  /// The worst of what is missing, late or unknown; kClear where nothing is.
+  [[nodiscard]] Cause inputCause(Time now, const JointSnapshot* joints) const;
+  [[nodiscard]] Cause jointsCause(Time now, const JointSnapshot* joints) const;
+  [[nodiscard]] Cause rootCause(Time now) const;
+  [[nodiscard]] Cause mapCause(Time now) const;
+  /// What a pose's findings mean; the reasons are those of the present pose, or of the one ahead.
+  [[nodiscard]] Cause findingsCause(const PoseFindings& findings, bool ahead) const;
+  [[nodiscard]] bool within(Time now, double seconds) const;
+  void lookAhead(const JointSnapshot& joints);
+  void decide(const Cause& cause);
+
+  std::shared_ptr<const RobotModel> model_;
+  Config config_;
+  JointStates joints_;
+  PoseCheck check_now_;
+  PoseCheck check_ahead_;
+  PoseCheck check_state_;
+  std::shared_ptr<const CuboidMap> map_;
+  Time map_arrival_;
+  std::optional<double> scan_period_s_;  ///< the mean of the recent ones
+  std::optional<Time> started_;          ///< the first check
+  std::optional<RootPose> root_;
+  std::vector<double> positions_ahead_;
+  std::optional<Time> last_stop_;  ///< the last check that was not clear, INIT apart
+  Verdict verdict_;
+};
+
+}  // namespace tccm

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "tccm_monitor/check/z_buffer.h"
+#include "tccm_monitor/geometry/shape.h"
+#include "tccm_monitor/map/cuboid_map.h"
+
+namespace tccm {
+
+/// How much of one link the sensor can see past the cuboids.
+struct LinkVisibility {
+  std::uint32_t link = 0;         ///< as the caller numbers links
+  double silhouette = 0.0;        ///< its share of the picture, in pixels at the horizon
+  double visible_fraction = 1.0;  ///< of the silhouette; 1 where the link does not show at all
+};
+
+/// Says which links cuboids hide from the sensor (paper, section IV.B): there the robot would move
+/// blindly.
+class OcclusionCheck {
+ public:
+  struct Config {
+    double resolution_rad = 0.035;  ///< edge of a pixel; finer than the scans are is of no use
+    double margin_m = 0.05;         ///< a cuboid hides only what lies behind it by more
+    /// A link is occluded where at least this share of its silhouette is hidden.
+    double hidden_fraction = 0.3;
+    /// Less than this many pixels of silhouette are too few to judge by.
+    double silhouette_min_pixels = 2.0;
+
+    /// @throws ConfigError
+    void validate() const;
+  };
+
+  struct Result {
+    std::vector<LinkVisibility> links;    ///< in the order of the links handed over
+    std::vector<std::uint32_t> cuboids;   ///< those that hide a part of any link
+    [[nodiscard]] const LinkVisibility* worst() const;
+  };
+
+  /// @param link_of_shape for each of the body's shapes the link it belongs to.
+  /// @throws ConfigError
+  OcclusionCheck(const Config& config, std::vector<std::uint32_t> link_of_shape);
+
+  /// The reference is valid until the next call.
+  const Result& find(const CuboidMap& map, const Body& body);
+
+  [[nodiscard]] bool isOccluded(const LinkVisibility& link) const;
+  /// The picture of the last find().
+  [[nodiscard]] const ZBuffer& picture() const { return buffer_; }
+
+ private:
+  Config config_;
+  std::vector<std::uint32_t> slot_of_shape_;  ///< index into result_.links
+  ZBuffer buffer_;
+  Result result_;
+  std::vector<double> hidden_;  ///< by slot
+};
+
+}  // namespace tccm

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "tccm_monitor/geometry/shape.h"
+#include "tccm_monitor/map/cuboid_map.h"
+
+namespace tccm {
+
+/// A spherical depth image around the sensor: azimuth about the fixed frame's z axis, elevation
+/// over its xy plane (paper, section IV.B; a tilting scanner sees further round than a plane can
+/// show). Primitives are drawn first, then cuboids cover them.
+class ZBuffer {
+ public:
+  /// @param resolution edge of a pixel at the horizon [rad].
+  explicit ZBuffer(double resolution);
+
+  /// Where a cuboid stands in the picture; the same for all poses of a body.
+  struct Silhouette {
+    std::uint32_t cuboid;
+    int row_begin, row_end;        ///< elevations
+    int column_begin, column_end;  ///< azimuths, not below 0; may run past the last column and wrap
+    double near, far;              ///< horizontal distance [m]
+    double bottom, top;            ///< height above the viewpoint [m]
+  };
+
+  struct Pixel {
+    float depth;          ///< to the nearest primitive [m]; infinite where there is none
+    std::uint32_t shape;  ///< that primitive
+    bool covered;         ///< a cuboid lies in front of it
+  };
+
+  /// Empties the picture and moves the camera.
+  void begin(const Vector3& viewpoint);
+  /// Draws a primitive where it is the nearest. One that contains the viewpoint is left out.
+  void draw(const Shape& shape, const Pose& T_fixed_shape, std::uint32_t index);
+  /// Covers the pixels that the cuboid lies in front of by more than the margin [m].
+  /// Every pixel the cuboid reaches into counts: scans are sparser than pixels.
+  /// @return whether it covers any.
+  bool cover(const Silhouette& silhouette, double margin);
+
+  /// Nothing where the cuboid lies in front of nothing that is drawn.
+  [[nodiscard]] std::optional<Silhouette> silhouette(const CuboidMap& map,
+                                                     std::uint32_t cuboid) const;
+
+  [[nodiscard]] int rows() const { return rows_; }        ///< from straight down to straight up
+  [[nodiscard]] int columns() const { return columns_; }  ///< from azimuth -pi on, counterclockwise
+  [[nodiscard]] const Pixel& pixel(int row, int column) const {
+    return pixels_[static_cast<std::size_t>(row * columns_ + column)];
+  }
+  /// The indices of the pixels that show a primitive.
+  [[nodiscard]] const std::vector<std::uint32_t>& drawn() const { return drawn_; }
+  [[nodiscard]] const Pixel& pixelAt(std::uint32_t index) const { return pixels_[index]; }
+  /// Solid angle of a pixel, relative to one at the horizon.
+  [[nodiscard]] double weightAt(std::uint32_t index) const {
+    return cosines_[index / static_cast<std::uint32_t>(columns_)];
+  }
+
+ private:
+  struct Window {
+    int row_begin, row_end, column_begin, column_end;  ///< columns as in Silhouette
+  };
+  /// Every pixel whose ray can meet the shape lies in it.
+  [[nodiscard]] Window windowOf(const Shape& shape, const Pose& T_fixed_shape) const;
+  template <typename Solid>
+  void drawIn(const Window& window, const Solid& solid, const Pose& T_fixed_shape,
+              std::uint32_t index);
+  [[nodiscard]] int rowOf(double elevation) const;
+  /// @param level horizontal distance above 0, to a point of that height over the viewpoint.
+  [[nodiscard]] int rowOfSlope(double level, double height) const;
+  [[nodiscard]] int columnOf(double azimuth) const;
+  /// @param direction of any length above 0.
+  [[nodiscard]] int columnOfDirection(const Eigen::Vector2d& direction) const;
+  /// Whether something that is drawn in its columns is further away than its near side.
+  [[nodiscard]] bool reachesBehind(const Silhouette& silhouette) const;
+  [[nodiscard]] double depthOf(const Silhouette& silhouette, int row) const;
+
+  double resolution_;
+  int rows_;
+  int columns_;
+  Vector3 viewpoint_ = Vector3::Zero();
+  std::vector<Pixel> pixels_;
+  std::vector<Vector3> directions_;
+  std::vector<double> cosines_;  ///< of each row's elevation
+  std::vector<double> tangents_;
+  std::vector<double> row_borders_;              ///< tangent of each row's lower border
+  std::vector<Eigen::Vector2d> column_borders_;  ///< direction of each column's right border
+  // The row and column that directions from equal parts of a circle's square begin in.
+  std::vector<int> bin_rows_;
+  std::vector<int> bin_columns_;
+  std::vector<std::uint32_t> drawn_;
+  // Horizontal distance of the farthest that is drawn, in each column and in all [m]; 0 for
+  // nothing.
+  std::vector<float> column_farthest_;
+  float farthest_ = 0.0F;
+  int lowest_row_ = 0;  ///< of all that is drawn
+  int highest_row_ = -1;
+};
+
+}  // namespace tccm

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+#include <vector>
+
+#include "tccm_monitor/time.h"
+
+namespace tccm {
+
+using Vector3 = Eigen::Vector3d;
+/// A rigid transform. T_a_b takes coordinates in frame b to coordinates in frame a.
+using Pose = Eigen::Isometry3d;
+
+/// Linear in the translation, spherical in the rotation. @param u 0 gives from, 1 gives to.
+[[nodiscard]] Pose interpolate(const Pose& from, const Pose& to, double u);
+
+/// False where a number is NaN or infinite, or the rotation is none.
+[[nodiscard]] bool isRigid(const Pose& pose);
+
+/// The poses of one moving frame at rising instants, interpolated in between, never beyond.
+class PosePath {
+ public:
+  /// @return false, and nothing is added, unless stamp is later than the last one's and the pose is
+  /// rigid.
+  bool add(Time stamp, const Pose& pose);
+  void clear();
+  [[nodiscard]] bool covers(Time first, Time last) const;
+  /// Nothing outside the instants that were added. Cheapest when asked for rising instants.
+  [[nodiscard]] std::optional<Pose> at(Time stamp) const;
+
+ private:
+  std::vector<Time> stamps_;
+  std::vector<Pose> poses_;
+  mutable std::size_t hint_ = 0;
+};
+
+}  // namespace tccm

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "tccm_monitor/map/grid.h"
+
+namespace tccm {
+
+/// Every cell's occupied heights as sorted disjoint intervals, each owned by the newest scan that
+/// saw it. Adding a scan carves older intervals and inserts its own; what the oldest scan alone
+/// still owns is then exactly what has to go when it leaves the window. This replaces the paper's
+/// msnlist and its deformation of stored part maps (section III.C.2) with the same result.
+///
+/// All intervals live in one pool that is allocated once.
+class Columns {
+ public:
+  struct Interval {
+    Height bottom;
+    Height top;
+    std::uint32_t serial;  ///< of the newest scan that saw it
+    std::uint32_t born;    ///< serial of the scan from which on something was seen here
+    std::uint32_t next;    ///< in the same cell, upwards; kNone at the end
+  };
+  static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+
+  Columns(CellIndex cells, std::size_t intervals_max);
+
+  /// Makes scan `serial` the owner of [bottom, top); what it overlaps hands over its birth.
+  /// @return false, with nothing changed, where the pool may run out.
+  [[nodiscard]] bool insert(CellIndex cell, Height bottom, Height top, std::uint32_t serial);
+  /// Removes what the scan still owns in the cell.
+  void expire(CellIndex cell, std::uint32_t serial);
+  void clear();
+
+  /// The cell's lowest interval, or kNone.
+  [[nodiscard]] std::uint32_t first(CellIndex cell) const { return first_[cell]; }
+  [[nodiscard]] const Interval& interval(std::uint32_t index) const { return pool_[index]; }
+  [[nodiscard]] CellIndex cells() const { return static_cast<CellIndex>(first_.size()); }
+  [[nodiscard]] std::size_t used() const { return used_; }
+  [[nodiscard]] std::size_t memoryBytes() const;
+
+ private:
+  std::uint32_t take(const Interval& interval);
+  void release(std::uint32_t index);
+
+  std::vector<std::uint32_t> first_;
+  std::vector<Interval> pool_;
+  std::uint32_t free_ = kNone;
+  std::size_t used_ = 0;
+};
+
+}  // namespace tccm

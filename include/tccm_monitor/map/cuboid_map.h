@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "tccm_monitor/geometry/pose.h"
+#include "tccm_monitor/map/grid.h"
+
+namespace tccm {
+
+/// A maximal run of occupied heights in one cell's column (paper, section III).
+struct Cuboid {
+  CellIndex cell = 0;
+  Height bottom = 0;              ///< quanta; occupied are [bottom, top)
+  Height top = 0;                 ///< the paper's u; its d is top - bottom
+  std::uint32_t points = 0;       ///< returns of the window's scans in it (the paper's pnum)
+  std::uint32_t age_scans = 0;    ///< since something was first seen here without interruption
+  std::uint32_t dyn = 0;          ///< age in whole windows (section IV.C); low means dynamic
+};
+
+/// A snapshot of the integration map: all that checks need, and nothing that changes under them.
+struct CuboidMap {
+  Grid grid;
+  Time stamp;                     ///< of the newest scan's first beam
+  std::uint32_t serial = 0;       ///< of the newest scan; the first scan's is 1, none is 0
+  std::uint32_t window_scans = 0; ///< scans whose points are in the map
+  Duration window{0};             ///< from the oldest of them to the newest
+  bool complete = false;          ///< the window holds a whole tilt period, or what was asked for
+  bool overflowed = false;        ///< a bound was met and points were left out: not to be trusted
+  Height thickness = 0;           ///< d0, quanta
+  Vector3 viewpoint = Vector3::Zero();  ///< the sensor's origin at the newest beam, fixed frame [m]
+  std::vector<Cuboid> cuboids;          ///< by cell, then from low to high
+  /// The cuboids of a cell are those from cell_begin[cell] up to cell_begin[cell + 1].
+  std::vector<std::uint32_t> cell_begin;
+
+  [[nodiscard]] UprightBox box(const Cuboid& cuboid) const {
+    return grid.box(cuboid.cell, cuboid.bottom, cuboid.top);
+  }
+};
+
+/// How many returns of the window lie near a cuboid: those of all cuboids in the 3 x 3 cells around
+/// it that come within height_m of its heights, its own included.
+[[nodiscard]] std::uint32_t supportOf(const CuboidMap& map, const Cuboid& cuboid, double height_m);
+
+/// Fills cell_begin from the cuboids' cells. @pre cuboids are ordered by cell.
+void indexCells(CuboidMap& map);
+
+}  // namespace tccm

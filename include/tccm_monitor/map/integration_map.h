@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "tccm_monitor/map/columns.h"
+#include "tccm_monitor/map/cuboid_map.h"
+#include "tccm_monitor/map/grid.h"
+#include "tccm_monitor/map/part_map_ring.h"
+#include "tccm_monitor/map/return_counts.h"
+
+namespace tccm {
+
+/// The time-series composite cuboid map by replacement (paper, section III.C.2): the newest part
+/// map is added, the oldest subtracted, at a cost that does not grow with the window.
+///
+/// After every step the occupied heights of each cell are exactly the union of the part maps of
+/// the scans in the window. A return at height z occupies (z - thickness, z].
+class IntegrationMap {
+ public:
+  struct Config {
+    Grid::Config grid;
+    double thickness_m = 0.02;         ///< d0, at least a quantum
+    std::size_t scans_max = 512;       ///< longest window
+    std::size_t returns_max = 400000;  ///< in the window
+    std::size_t intervals_max = 200000;
+
+    /// @throws ConfigError
+    void validate() const;
+  };
+
+  struct Added {
+    std::size_t mapped = 0;
+    std::size_t out_of_area = 0;
+  };
+
+  /// Allocates everything it will ever use. @throws ConfigError
+  explicit IntegrationMap(const Config& config);
+
+  /// Adds a scan's part map; its serial is one more than the last scan's. Where scans_max are in
+  /// the window already, the oldest leaves first.
+  /// @param returns in the fixed frame; those that are not finite count as out of the area.
+  Added add(Time stamp, const std::vector<Vector3>& returns);
+  /// Subtracts the oldest scan's part map. @pre scans() > 0
+  void expireOldest();
+  /// Forgets all scans; serials go on.
+  void clear();
+
+  [[nodiscard]] std::size_t scans() const { return ring_.scans(); }
+  [[nodiscard]] Time oldestStamp() const { return ring_.oldestStamp(); }
+  [[nodiscard]] std::uint32_t serial() const { return serial_; }
+  /// A bound was met, and points were left out, in a scan that is still in the window.
+  [[nodiscard]] bool overflowed() const;
+  [[nodiscard]] const Grid& grid() const { return grid_; }
+  [[nodiscard]] std::size_t memoryBytes() const;
+
+  /// Writes cuboids, index, grid, stamp, serial, window and thickness; the rest is the caller's.
+  /// Allocates nothing once `map` has been through reserve().
+  void snapshot(CuboidMap& map) const;
+  /// Gives a snapshot the capacity that any of this map's can need.
+  void reserve(CuboidMap& map) const;
+
+ private:
+  [[nodiscard]] bool insert(const MappedReturn& entry);
+  [[nodiscard]] Cuboid finished(Cuboid cuboid, std::uint32_t born) const;
+
+  Config config_;
+  Grid grid_;
+  Height thickness_;
+  Columns columns_;
+  ReturnCounts counts_;
+  PartMapRing ring_;
+  std::uint32_t serial_ = 0;
+  std::uint32_t overflow_serial_ = 0;  ///< of the last scan with points left out
+  Time newest_stamp_;
+};
+
+}  // namespace tccm

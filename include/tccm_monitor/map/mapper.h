@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tccm_monitor/map/cuboid_map.h"
+#include "tccm_monitor/map/integration_map.h"
+#include "tccm_monitor/map/tilt_period.h"
+#include "tccm_monitor/time.h"
+
+namespace tccm {
+
+/// What the mapper takes of a scan.
+struct ScanReturns {
+  Time stamp;                           ///< of the first beam
+  Vector3 viewpoint = Vector3::Zero();  ///< the sensor's origin at the last beam [m]
+  double tilt = 0.0;                    ///< of the sensor at the first beam [rad]
+  std::vector<Vector3> points;          ///< in the fixed frame [m]
+};
+
+/// Keeps the integration map over its window: the last sweep of the tilting sensor.
+class Mapper {
+ public:
+  struct Config {
+    IntegrationMap::Config map;
+    TiltPeriod::Config tilt;
+    /// The window's length: this many scans; where 0, window_s; where that is 0 too, so many
+    /// measured tilt periods. A place at a turning point is seen again only after a whole period
+    /// (the paper's 3/4 are too short).
+    int window_scans = 0;
+    double window_s = 0.0;
+    double window_tilt_periods = 1.1;
+    /// After a longer gap between two scans the window has to fill again.
+    double scan_gap_max_s = 0.5;
+    /// A scan older than the last by more than this means that time began anew, as when a recording
+    /// is played again: the map starts over.
+    double time_jump_back_s = 0.1;
+
+    /// @throws ConfigError
+    void validate() const;
+  };
+
+  struct Outcome {
+    /// Why nothing was mapped: out_of_order or bad_viewpoint; empty where the scan is in the map.
+    std::string dropped;
+    IntegrationMap::Added added;
+  };
+
+  /// @throws ConfigError
+  explicit Mapper(const Config& config);
+
+  /// A scan that is not newer than the last is dropped, unless time jumped back.
+  Outcome add(const ScanReturns& scan);
+  /// Forgets scans and tilt, as at the start; serials go on.
+  void clear();
+
+  /// All of CuboidMap. Allocates nothing once `map` has been through reserve().
+  void snapshot(CuboidMap& map) const;
+  void reserve(CuboidMap& map) const { map_.reserve(map); }
+
+  [[nodiscard]] const IntegrationMap& map() const { return map_; }
+  /// The length of the window; nothing while the tilt period is not measured.
+  [[nodiscard]] std::optional<Duration> window() const;
+  [[nodiscard]] std::optional<Duration> tiltPeriod() const { return tilt_.period(); }
+
+ private:
+  [[nodiscard]] bool complete() const;
+  void expire();
+
+  Config config_;
+  IntegrationMap map_;
+  TiltPeriod tilt_;
+  std::optional<Time> newest_;
+  Time unbroken_since_;
+  Vector3 viewpoint_ = Vector3::Zero();
+};
+
+}  // namespace tccm

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "tccm_monitor/map/grid.h"
+#include "tccm_monitor/time.h"
+
+namespace tccm {
+
+/// One return of a part map: the cell it fell into and its height.
+struct MappedReturn {
+  CellIndex cell;
+  Height height;
+};
+
+/// The part maps of the window's scans, oldest first, in memory that is allocated once: for each
+/// scan its stamp and the returns it brought, also where it brought none.
+class PartMapRing {
+ public:
+  PartMapRing(std::size_t scans_max, std::size_t returns_max);
+
+  [[nodiscard]] bool full() const { return scans_ == parts_.size(); }
+  [[nodiscard]] std::size_t scans() const { return scans_; }
+  /// @pre scans() > 0
+  [[nodiscard]] Time oldestStamp() const { return parts_[oldest_].stamp; }
+  [[nodiscard]] std::uint32_t oldestSerial() const { return parts_[oldest_].serial; }
+
+  /// Begins the newest part map. @pre !full()
+  void begin(std::uint32_t serial, Time stamp);
+  [[nodiscard]] bool hasRoom() const { return used_ < returns_.size(); }
+  /// Adds to the newest part map. @pre hasRoom() and scans() > 0
+  void add(const MappedReturn& entry) {
+    returns_[next_] = entry;
+    next_ = next_ + 1 < returns_.size() ? next_ + 1 : 0;
+    ++used_;
+    ++parts_[newest_].count;
+  }
+  /// Hands each of the oldest part map's returns to visit, then drops that part map.
+  template <typename Visit>
+  void dropOldest(Visit&& visit) {
+    const Part& part = parts_[oldest_];
+    const std::size_t straight = std::min(part.count, returns_.size() - part.begin);
+    const MappedReturn* from = returns_.data() + part.begin;
+    for (std::size_t i = 0; i < straight; ++i) visit(from[i]);
+    for (std::size_t i = 0; i < part.count - straight; ++i) visit(returns_[i]);
+    used_ -= part.count;
+    oldest_ = oldest_ + 1 < parts_.size() ? oldest_ + 1 : 0;
+    --scans_;
+  }
+  void clear();
+  [[nodiscard]] std::size_t memoryBytes() const;
+
+ private:
+  struct Part {
+    std::uint32_t serial = 0;
+    Time stamp;
+    std::size_t begin = 0;
+    std::size_t count = 0;
+  };
+  std::vector<Part> parts_;
+  std::vector<MappedReturn> returns_;
+  std::size_t oldest_ = 0;
+  std::size_t newest_ = 0;  ///< meaningless while there are no scans
+  std::size_t scans_ = 0;
+  std::size_t next_ = 0;  ///< where the next return goes
+  std::size_t used_ = 0;
+};
+
+}  // namespace tccm

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "tccm_monitor/map/grid.h"
+
+namespace tccm {
+
+/// How many of the window's returns lie in each layer of each cell: a dense array of counters, so
+/// that adding and removing a return cost the same however long the window is. Carving leaves no
+/// trace here: a return counts until its scan leaves the window.
+class ReturnCounts {
+ public:
+  /// @param layer thickness of a layer in quanta, at least 1.
+  ReturnCounts(const Grid& grid, Height layer);
+
+  void add(CellIndex cell, Height height) { ++counts_[index(cell, height)]; }
+  void remove(CellIndex cell, Height height) { --counts_[index(cell, height)]; }
+  void clear();
+
+  /// The returns in all layers from that of `low` to that of `high`, both included.
+  [[nodiscard]] std::uint32_t sum(CellIndex cell, Height low, Height high) const;
+  [[nodiscard]] std::size_t memoryBytes() const;
+
+ private:
+  [[nodiscard]] std::size_t index(CellIndex cell, Height height) const {
+    return cell * layers_ + static_cast<std::size_t>((height - lowest_) / layer_);
+  }
+
+  Height lowest_;
+  Height layer_;
+  std::size_t layers_;
+  std::vector<std::uint32_t> counts_;
+};
+
+}  // namespace tccm

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+
+#include "tccm_monitor/check/checker.h"
+#include "tccm_monitor/map/mapper.h"
+#include "tccm_monitor/robot/body_sampler.h"
+#include "tccm_monitor/scan/scan_assembler.h"
+
+namespace tccm {
+
+/// The map's part of an assembled scan. Reuses the memory of `returns`.
+void takeReturns(const AssembledScan& scan, ScanReturns& returns);
+
+/// All stages joined, time passed in: scan -> map -> check. What the offline programs drive; the
+/// nodelets hold the same stages apart.
+class Monitor {
+ public:
+  struct Config {
+    ScanAssembler::Config assembler;
+    bool self_filter = true;
+    BodySampler::Config body;
+    Mapper::Config mapper;
+    RobotModel::Config filtered_links;
+    RobotModel::Config checked_links;
+    Checker::Config checker;
+  };
+
+  struct ScanOutcome {
+    /// Why nothing was mapped: no_transform, no_joint_states, malformed, out_of_order,
+    /// bad_viewpoint; empty where the scan is in the map.
+    std::string dropped;
+    BeamCounts beams{};
+    IntegrationMap::Added added;
+    double assemble_us = 0.0;
+    double integrate_us = 0.0;  ///< addition and expiry
+    double snapshot_us = 0.0;
+  };
+
+  /// @param urdf empty: the surroundings are mapped, and nothing is checked. @throws ConfigError
+  Monitor(const Config& config, const std::string& urdf);
+
+  [[nodiscard]] bool hasRobot() const { return checker_ != nullptr; }
+  /// @pre hasRobot()
+  [[nodiscard]] Checker& checker() { return *checker_; }
+  /// Nothing where no robot is filtered out.
+  [[nodiscard]] const BodySampler* body() const { return body_.get(); }
+  [[nodiscard]] const Mapper& mapper() const { return mapper_; }
+
+  /// To the self filter and to the checker.
+  void addJoints(Time stamp, const std::vector<std::string>& names,
+                 const std::vector<double>& positions, const std::vector<double>& velocities);
+  /// @param now when it is processed, by the clock of the stamps.
+  /// @param T_fixed_root needed where a robot is filtered out.
+  ScanOutcome addScan(Time now, const LaserScan& scan, const PosePath& T_fixed_sensor,
+                      const PosePath& T_fixed_root);
+  /// As at the start: after time has jumped back. Serials go on.
+  void reset();
+  /// The last scan that was assembled, also where the mapper dropped it.
+  [[nodiscard]] const AssembledScan& assembled() const { return assembled_; }
+  /// The points of the last scan.
+  [[nodiscard]] const ScanReturns& returns() const { return returns_; }
+  /// The map after the last scan; none before the first.
+  [[nodiscard]] const CuboidMap* map() const { return maps_[newest_].get(); }
+
+ private:
+  std::unique_ptr<BodySampler> body_;
+  ScanAssembler assembler_;
+  Mapper mapper_;
+  std::unique_ptr<Checker> checker_;
+  AssembledScan assembled_;
+  ScanReturns returns_;
+  std::array<std::shared_ptr<CuboidMap>, 2> maps_;  ///< the checker holds one while the other fills
+  std::size_t newest_ = 0;
+};
+
+}  // namespace tccm

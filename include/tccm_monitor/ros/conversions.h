@@ -1,0 +1,57 @@
+#pragma once
+
+#include <ros/duration.h>
+#include <ros/time.h>
+#include <sensor_msgs/LaserScan.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <tccm_monitor/CuboidMap.h>
+#include <tccm_monitor/MonitorStatus.h>
+
+#include <string>
+
+#include "tccm_monitor/check/checker.h"
+#include "tccm_monitor/map/cuboid_map.h"
+#include "tccm_monitor/map/mapper.h"
+#include "tccm_monitor/scan/assembled_scan.h"
+#include "tccm_monitor/scan/laser_scan.h"
+
+namespace tccm {
+
+[[nodiscard]] inline Time toTime(const ros::Time& time) {
+  return Time(Duration(static_cast<Duration::rep>(time.toNSec())));
+}
+/// @pre time is not before the epoch.
+[[nodiscard]] inline ros::Time toRos(Time time) {
+  ros::Time result;
+  result.fromNSec(static_cast<std::uint64_t>(time.time_since_epoch().count()));
+  return result;
+}
+[[nodiscard]] inline ros::Duration toRos(Duration duration) {
+  ros::Duration result;
+  result.fromNSec(duration.count());
+  return result;
+}
+
+[[nodiscard]] LaserScan fromMessage(const sensor_msgs::LaserScan& message);
+
+/// One point for each beam, in the order they were measured: x, y, z (NaN where the beam gave no
+/// point for the map), vp_x, vp_y, vp_z (the sensor's origin at the beam's time), tilt [rad] and
+/// kind (BeamKind). Reuses the message's memory. @param frame the fixed frame.
+void toMessage(const AssembledScan& scan, const std::string& frame,
+               sensor_msgs::PointCloud2& message);
+
+/// @return empty, or what the cloud lacks. @param returns reused.
+[[nodiscard]] std::string fromMessage(const sensor_msgs::PointCloud2& message,
+                                      ScanReturns& returns);
+
+/// Reuses the message's memory. col is left CLEAR.
+void toMessage(const CuboidMap& map, const std::string& frame, tccm_monitor::CuboidMap& message);
+
+/// @return empty, or why the message is no map. @param map reused.
+[[nodiscard]] std::string fromMessage(const tccm_monitor::CuboidMap& message, CuboidMap& map);
+
+/// All but the frame and scan_to_verdict_ms. @param checker that gave the verdict.
+void toMessage(const Verdict& verdict, const Checker& checker,
+               tccm_monitor::MonitorStatus& message);
+
+}  // namespace tccm

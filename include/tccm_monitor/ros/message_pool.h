@@ -1,0 +1,28 @@
+#pragma once
+
+#include <boost/make_shared.hpp>
+#include <boost/shared_ptr.hpp>
+#include <cstddef>
+#include <vector>
+
+namespace tccm {
+
+/// Messages to be published by pointer, used again once every subscriber has let go of them: after a
+/// while nothing is allocated any more.
+template <typename Message>
+class MessagePool {
+ public:
+  /// A message that nobody else holds, with the content of an earlier use.
+  boost::shared_ptr<Message> take() {
+    for (const auto& message : messages_) {
+      if (message.unique()) return message;
+    }
+    messages_.push_back(boost::make_shared<Message>());
+    return messages_.back();
+  }
+
+ private:
+  std::vector<boost::shared_ptr<Message>> messages_;
+};
+
+}  // namespace tccm

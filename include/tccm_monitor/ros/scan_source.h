@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "tccm_monitor/geometry/pose.h"
+#include "tccm_monitor/robot/joint_states.h"
+#include "tccm_monitor/ros/settings.h"
+#include "tccm_monitor/ros/transform_history.h"
+#include "tccm_monitor/scan/laser_scan.h"
+
+namespace tccm {
+
+/// Holds scans until transforms (and joint states, where a robot is filtered out) around all of
+/// their beams are there, or it is clear that they will not come. Scans leave in the order they
+/// came in; nothing waits.
+class ScanSource {
+ public:
+  /// @param root_frame the robot's; empty where none is filtered out.
+  ScanSource(const AssemblerSettings& settings, std::string root_frame,
+             const TransformHistory& transforms);
+
+  /// A scan with all that is needed to place its beams.
+  struct Ready {
+    LaserScan scan;
+    PosePath T_fixed_sensor;
+    PosePath T_fixed_root;  ///< empty where no robot is filtered out
+  };
+
+  /// A scan that cannot be projected at all is dropped here. @return empty, or what is wrong with it.
+  std::string add(LaserScan scan, const std::string& frame, Time arrival);
+  void clear();
+
+  /// The oldest scan that can be placed now. Those before it that cannot are dropped and counted.
+  /// @param joints nothing where no robot is filtered out. @param now for how long a scan waited.
+  [[nodiscard]] const Ready* next(const JointStates* joints, Time now);
+  /// Drops what still waits.
+  void drain();
+
+  /// How many scans were dropped, by reason.
+  [[nodiscard]] const std::map<std::string, std::size_t>& dropped() const { return dropped_; }
+  [[nodiscard]] std::size_t droppedCount() const;
+  /// For a scan that failed after it left.
+  void countDrop(const std::string& reason) { ++dropped_[reason]; }
+  [[nodiscard]] std::size_t waiting() const { return waiting_.size(); }
+
+ private:
+  struct Waiting {
+    LaserScan scan;
+    std::string frame;
+    Time arrival;
+  };
+  /// Fills ready_ from a scan. @return kFound, kNotYet where waiting may help, or why it cannot.
+  [[nodiscard]] TransformHistory::Status place(Waiting& waiting, const JointStates* joints);
+
+  std::string fixed_frame_;
+  std::string root_frame_;
+  std::size_t beams_max_;
+  Duration step_;
+  Duration wait_max_;
+  const TransformHistory& transforms_;
+  std::deque<Waiting> waiting_;
+  Ready ready_;
+  std::map<std::string, std::size_t> dropped_;
+};
+
+}  // namespace tccm

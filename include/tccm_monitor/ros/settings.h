@@ -1,0 +1,56 @@
+#pragma once
+
+#include <string>
+
+#include "tccm_monitor/monitor.h"
+#include "tccm_monitor/ros/parameters.h"
+
+namespace tccm {
+
+/// All that a nodelet is configured with: the core's configurations and what only the adapter needs.
+/// The defaults are the parameters' defaults; README.md lists them with their units.
+struct AssemblerSettings {
+  std::string fixed_frame = "base_link";
+  bool self_filter = true;  ///< false: no robot is filtered out, and none is needed
+  RobotModel::Config robot;
+  ScanAssembler::Config assembler;
+  BodySampler::Config body;
+  double transform_gap_max_s = 0.1;
+  double transform_sample_s = 0.004;  ///< the sensor's pose is looked up this often in a scan
+  double transform_wait_max_s = 0.5;  ///< a scan that waits longer is dropped
+};
+
+struct MapperSettings {
+  Mapper::Config mapper;
+  double marker_rate_hz = 5.0;
+  int static_windows = 3;  ///< cuboids from this dyn on are shown as static
+};
+
+struct CheckerSettings {
+  std::string fixed_frame = "base_link";
+  RobotModel::Config robot;
+  Checker::Config checker;
+  double publish_rate_hz = 50.0;  ///< of flags and status, also where nothing comes in
+  double marker_rate_hz = 10.0;
+};
+
+/// Each reads its keys and validates. @throws ConfigError naming the key.
+[[nodiscard]] AssemblerSettings readAssemblerSettings(Parameters& parameters);
+[[nodiscard]] MapperSettings readMapperSettings(Parameters& parameters);
+[[nodiscard]] CheckerSettings readCheckerSettings(Parameters& parameters);
+
+/// A whole YAML file as the offline programs take it: the nodelets' parameters under their names
+/// (tilt_scan_assembler, tccm_mapper, collision_checker), and `topics`.
+struct MonitorSettings {
+  AssemblerSettings assembler;
+  MapperSettings mapper;
+  CheckerSettings checker;
+  std::string scan_topic = "/scan";
+  std::string joint_states_topic = "/joint_states";
+
+  [[nodiscard]] Monitor::Config monitorConfig() const;
+};
+/// @throws ConfigError, also for a key that nothing reads. @param path empty: all defaults.
+[[nodiscard]] MonitorSettings readMonitorSettings(const std::string& path);
+
+}  // namespace tccm

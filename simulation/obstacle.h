@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+
+#include "simulation/clearance.h"
+#include "simulation/world.h"
+
+namespace tccm::simulation {
+
+enum class ObstacleKind { kNone, kPole, kArm, kBox };
+enum class ObstaclePurpose { kCollision, kOcclusion };
+
+/// "none", "pole", "arm" or "box". @throws ConfigError
+[[nodiscard]] ObstacleKind obstacleKind(const std::string& name);
+/// "collision" or "occlusion". @throws ConfigError
+[[nodiscard]] ObstaclePurpose obstaclePurpose(const std::string& name);
+
+constexpr char kObstacleName[] = "obstacle";
+
+/// The hand an obstacle is put before, in the fixed frame.
+struct HandState {
+  SampledBody shapes;
+  Vector3 centre;   ///< of the palm [m]
+  Vector3 heading;  ///< unit vector along its motion
+};
+
+/// An obstacle (not kNone) on the hand's way, at gap_m [m] from its nearest point. Pole and box
+/// stand upright across the way; a human forearm with its hand ahead comes slantwise towards the
+/// hand.
+[[nodiscard]] World obstacleAhead(ObstacleKind kind, const HandState& hand, double gap_m);
+
+/// An obstacle (not kNone) lying across the line from the sensor to the palm, 0.6 of the way, far
+/// from both.
+[[nodiscard]] World obstacleBetween(ObstacleKind kind, const Vector3& sensor, const Vector3& palm);
+
+}  // namespace tccm::simulation

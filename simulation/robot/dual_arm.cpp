@@ -1,0 +1,32 @@
+#include "simulation/robot/dual_arm.h"
+
+#include <stdexcept>
+
+namespace tccm::simulation {
+
+std::vector<std::string> dualArmCapsuleLinks() {
+  return {"*_shoulder_roll_link", "*_shoulder_yaw_link", "*_elbow_link", "*_wrist_yaw_link",
+          "*_wrist_roll_link"};
+}
+
+std::shared_ptr<const RobotModel> dualArm() {
+  RobotModel::Config config;
+  config.capsule_links = dualArmCapsuleLinks();
+  return std::make_shared<const RobotModel>(dualArmUrdf(), config);
+}
+
+std::size_t variableIndex(const RobotModel& model, const std::string& joint) {
+  for (std::size_t i = 0; i < model.variables().size(); ++i) {
+    if (model.variables()[i].name == joint) return i;
+  }
+  throw std::out_of_range("no joint " + joint);
+}
+
+std::size_t linkIndex(const RobotModel& model, const std::string& link) {
+  for (std::size_t i = 0; i < model.links().size(); ++i) {
+    if (model.links()[i] == link) return i;
+  }
+  throw std::out_of_range("no link " + link);
+}
+
+}  // namespace tccm::simulation

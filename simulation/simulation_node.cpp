@@ -1,0 +1,180 @@
+#include <ros/ros.h>
+#include <rosgraph_msgs/Clock.h>
+#include <std_msgs/Bool.h>
+#include <std_msgs/String.h>
+
+#include <nlohmann/json.hpp>
+
+#include "simulation/messages.h"
+#include "simulation/simulator.h"
+#include "tccm_monitor/config_error.h"
+
+namespace tccm::simulation {
+namespace {
+
+/// The simulated robot, live, at the pace of the wall clock.
+class SimulationNode {
+ public:
+  struct Config {
+    Simulator::Config simulator;
+    bool publish_clock = false;
+    double duration_s = 0.0;  ///< 0: until shut down
+  };
+
+  explicit SimulationNode(const Config& config) : config_(config), simulator_(config.simulator) {
+    ros::NodeHandle node;
+    if (config.publish_clock) clock_ = node.advertise<rosgraph_msgs::Clock>("/clock", 10);
+    scan_ = node.advertise<sensor_msgs::LaserScan>("scan", 10);
+    joints_ = node.advertise<sensor_msgs::JointState>("joint_states", 10);
+    transforms_ = node.advertise<tf2_msgs::TFMessage>("/tf", 100);
+    truth_ = node.advertise<std_msgs::String>("simulation/truth", 100, true);
+    markers_ = node.advertise<visualization_msgs::MarkerArray>("simulation/scene_markers", 1, true);
+    stop_ = node.subscribe("stop", 1, &SimulationNode::hearStop, this);
+  }
+
+  void run() {
+    const ros::WallTime wall_start = ros::WallTime::now();
+    const Time start = config_.simulator.start;
+    ros::WallRate rate(500.0);
+    while (ros::ok()) {
+      const Duration elapsed((ros::WallTime::now() - wall_start).toNSec());
+      ros::spinOnce();
+      while (simulator_.now() < start + elapsed && ros::ok()) step();
+      if (config_.duration_s > 0.0 && elapsed > fromSeconds(config_.duration_s)) return;
+      rate.sleep();
+    }
+  }
+
+ private:
+  void hearStop(const std_msgs::Bool& message) {
+    go_heard_ = !message.data ? std::optional<Time>(simulator_.now()) : std::nullopt;
+  }
+
+  /// Silence means stop.
+  [[nodiscard]] bool stopped() const {
+    constexpr Duration kSilence = std::chrono::milliseconds(300);
+    return !go_heard_ || simulator_.now() - *go_heard_ > kSilence;
+  }
+
+  void step() {
+    simulator_.setStop(stopped());
+    const StepOutput output = simulator_.step();
+    if (config_.publish_clock && (output.robot || output.scan)) {
+      rosgraph_msgs::Clock clock;
+      clock.clock = toRos(simulator_.now());
+      clock_.publish(clock);
+    }
+    if (output.robot) {
+      transforms_.publish(transformMessage(simulator_.model(), *output.robot));
+      joints_.publish(jointMessage(simulator_.model(), *output.robot));
+      publishDistance();
+    }
+    if (output.scan)
+      scan_.publish(toMessage(output.scan->scan, config_.simulator.scanner.period_s));
+    publishEvents();
+    publishMarkers();
+  }
+
+  void publishTruth(const std::string& event, nlohmann::json content) {
+    content["event"] = event;
+    std_msgs::String message;
+    message.data = content.dump();
+    truth_.publish(message);
+  }
+
+  /// At 10 Hz.
+  void publishDistance() {
+    if (++robot_samples_ % 10 == 0) publishTruth("hand", toJson(simulator_.truth().hand.back()));
+  }
+
+  void publishEvent(const std::string& event, const std::optional<Time>& stamp,
+                    std::optional<Time>& published) {
+    if (stamp == published) return;
+    published = stamp;
+    publishTruth(event, {{"stamp_s", toSeconds(*stamp)}});
+  }
+
+  void publishEvents() {
+    const Truth& truth = simulator_.truth();
+    publishEvent("obstacle_appeared", truth.appeared, published_.appeared);
+    publishEvent("first_beam", truth.first_beam, published_.first_beam);
+    publishEvent("stop_asserted", truth.stop_asserted, published_.stop_asserted);
+    publishEvent("halted", truth.halted, published_.halted);
+  }
+
+  /// Once a second, and at once when something appears; ten times a second while it moves.
+  void publishMarkers() {
+    const Time now = simulator_.now();
+    const bool moving = simulator_.truth().in_place && now <= *simulator_.truth().in_place;
+    const Duration due = moving ? std::chrono::milliseconds(100) : std::chrono::milliseconds(1000);
+    const bool appeared = simulator_.world().size() != objects_drawn_;
+    if (markers_drawn_ && !appeared && now - *markers_drawn_ < due) return;
+    markers_drawn_ = now;
+    objects_drawn_ = simulator_.world().size();
+    markers_.publish(sceneMarkers(simulator_.world(), now));
+  }
+
+  Config config_;
+  Simulator simulator_;
+  std::optional<Time> go_heard_;
+  std::optional<Time> markers_drawn_;
+  std::size_t objects_drawn_ = 0;
+  std::size_t robot_samples_ = 0;
+  Truth published_;
+  ros::Publisher clock_;
+  ros::Publisher scan_;
+  ros::Publisher joints_;
+  ros::Publisher transforms_;
+  ros::Publisher truth_;
+  ros::Publisher markers_;
+  ros::Subscriber stop_;
+};
+
+SimulationNode::Config load(const ros::NodeHandle& node) {
+  SimulationNode::Config config;
+  Simulator::Config& s = config.simulator;
+  int seed = 1;
+  std::string obstacle = "none";
+  std::string obstacle_for = "collision";
+  node.param("scene", s.scene, s.scene);
+  node.param("motion", s.motion, s.motion);
+  node.param("obstacle", obstacle, obstacle);
+  node.param("obstacle_for", obstacle_for, obstacle_for);
+  node.param("appear_s", s.appear_s, s.appear_s);
+  node.param("gap_m", s.gap_m, s.gap_m);
+  node.param("obstacle_speed_mps", s.obstacle_speed_mps, s.obstacle_speed_mps);
+  node.param("speed_mps", s.controller.speed_mps, s.controller.speed_mps);
+  node.param("seed", seed, seed);
+  node.param("noise_m", s.scanner.noise_m, s.scanner.noise_m);
+  node.param("duration_s", config.duration_s, config.duration_s);
+  node.param("publish_clock", config.publish_clock, config.publish_clock);
+  requireInRange("seed", seed, 0.0, 2147483647.0);
+  requireInRange("duration_s", config.duration_s, 0.0, 1e6);
+  s.seed = static_cast<std::uint64_t>(seed);
+  s.obstacle = obstacleKind(obstacle);
+  s.purpose = obstaclePurpose(obstacle_for);
+  if (!config.publish_clock) {
+    if (!ros::Time::isSystemTime()) {
+      throw ConfigError("publish_clock: must be true where use_sim_time is, for want of a clock");
+    }
+    s.start = Time(Duration(static_cast<Duration::rep>(ros::WallTime::now().toNSec())));
+  }
+  return config;
+}
+
+}  // namespace
+}  // namespace tccm::simulation
+
+int main(int argc, char** argv) {
+  using namespace tccm::simulation;
+  ros::init(argc, argv, "simulation");
+  const ros::NodeHandle parameters("~");  // outlives the try: ROS logs nothing after the last one
+  try {
+    SimulationNode node(load(parameters));
+    node.run();
+  } catch (const std::exception& error) {
+    ROS_FATAL("simulation: %s", error.what());
+    return 2;
+  }
+  return 0;
+}

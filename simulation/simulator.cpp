@@ -1,0 +1,234 @@
+#include "simulation/simulator.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulation/robot/dual_arm.h"
+#include "tccm_monitor/config_error.h"
+
+namespace tccm::simulation {
+namespace {
+
+constexpr Duration kStep = std::chrono::milliseconds(1);
+constexpr Duration kRobotPeriod = std::chrono::milliseconds(10);
+constexpr double kSpacing = 0.01;    // [m] between the points that clearances are measured from
+constexpr double kBringWay = 0.4;    // [m] that an obstacle is brought in from aside
+constexpr double kRoomToHit = 0.04;  // [m] of path that must be left beyond the gap
+
+const std::vector<std::string> kHandLinks = {"right_wrist_roll_link", "right_palm_link",
+                                             "right_*_finger_link"};
+
+Simulator::Config validated(Simulator::Config config) {
+  config.validate();
+  return config;
+}
+
+}  // namespace
+
+void Simulator::Config::validate() const {
+  controller.validate();
+  scanner.validate();
+  requireInRange("appear_s", appear_s, 0.0, 1e6);
+  requireInRange("gap_m", gap_m, 0.01, 0.25);
+  requireInRange("obstacle_speed_mps", obstacle_speed_mps, 0.0, 10.0);
+  requireInRange("tilt_period_s", tilt.period_s, 0.1, 100.0);
+  if (scanner.scanDuration() >= fromSeconds(scanner.period_s)) {
+    throw ConfigError("period_s: a turn must last longer than its beams");
+  }
+}
+
+Simulator::Simulator(const Config& config)
+    : config_(validated(config)),
+      model_(dualArm()),
+      kinematics_(model_),
+      path_(armPath(model_, config.motion)),
+      controller_(config.controller, path_.length()),
+      scanner_(config.scanner, config.seed),
+      world_(scene(config.scene)),
+      now_(config.start),
+      scan_start_(config.start),
+      hand_shapes_(model_->shapesOf(kHandLinks, "hand links")),
+      tilt_(variableIndex(*model_, "laser_tilt_joint")),
+      sensor_(linkIndex(*model_, "laser_link")),
+      palm_(linkIndex(*model_, "right_palm_link")) {
+  requireRoomForObstacle();
+  sampled_hand_ = handAt(0.0).shapes;
+  controller_.step(now_, stop_);
+  kinematics_.update(jointsAt(0.0, now_), Pose::Identity());
+  snapshots_.push_back(snapshot());
+}
+
+void Simulator::setStop(bool stop) {
+  if (stop && !stop_) truth_.stop_asserted = now_;
+  stop_ = stop;
+}
+
+StepOutput Simulator::step() {
+  now_ += kStep;
+  const double speed_before = controller_.speed();
+  controller_.step(now_, stop_);
+  if (controller_.braking() && speed_before != 0.0 && controller_.speed() == 0.0) {
+    truth_.halted = now_;
+  }
+  maybeAddObstacle();
+  const std::vector<double> joints = jointsAt(controller_.distance(), now_);
+  kinematics_.update(joints, Pose::Identity());
+  if (now_ + kStep > scan_start_) snapshots_.push_back(snapshot());
+
+  StepOutput output;
+  output.scan = maybeFinishScan();
+  if ((now_ - config_.start) % kRobotPeriod == Duration::zero()) {
+    output.robot = RobotSample{now_, joints, jointVelocities(), kinematics_.linkPoses()};
+    recordTruth();
+  }
+  return output;
+}
+
+std::vector<double> Simulator::jointsAt(double path_distance, Time stamp) const {
+  std::vector<double> joints = path_.positions(path_distance);
+  joints[tilt_] = config_.tilt.position(stamp - config_.start);
+  return joints;
+}
+
+std::vector<double> Simulator::jointVelocities() const {
+  std::vector<double> velocities = path_.slopes(controller_.distance());
+  for (double& velocity : velocities) velocity *= controller_.speed();
+  velocities[tilt_] = config_.tilt.velocity(now_ - config_.start);
+  return velocities;
+}
+
+HandState Simulator::handAt(double path_distance) const {
+  constexpr double kAhead = 1e-3;  // [m] over which the heading is taken
+  const double from = std::min(path_distance, path_.length() - kAhead);
+  Kinematics kinematics(model_);
+  kinematics.update(path_.positions(from + kAhead), Pose::Identity());
+  const Vector3 later = kinematics.linkPoses()[palm_].translation();
+  kinematics.update(path_.positions(from), Pose::Identity());
+  const Vector3 heading = (later - kinematics.linkPoses()[palm_].translation()).normalized();
+
+  kinematics.update(path_.positions(path_distance), Pose::Identity());
+  Body body;
+  for (const std::size_t shape : hand_shapes_) {
+    body.shapes.push_back(model_->shapes()[shape].shape);
+    body.poses.push_back(kinematics.shapePoses()[shape]);
+  }
+  return {SampledBody(body, kSpacing), kinematics.linkPoses()[palm_].translation(), heading};
+}
+
+Snapshot Simulator::snapshot() const {
+  Snapshot result;
+  result.stamp = now_;
+  result.T_fixed_sensor = kinematics_.linkPoses()[sensor_];
+  for (std::size_t i = 0; i < model_->shapes().size(); ++i) {
+    result.targets.shapes.push_back(model_->shapes()[i].shape);
+    result.targets.poses.push_back(kinematics_.shapePoses()[i]);
+    result.labels.push_back(i);
+  }
+  for (std::size_t i = 0; i < world_.size(); ++i) {
+    const std::optional<Pose> pose = world_[i].poseAt(now_);
+    if (!pose) continue;
+    result.targets.shapes.push_back(world_[i].shape);
+    result.targets.poses.push_back(*pose);
+    result.labels.push_back(kFirstObject + i);
+  }
+  return result;
+}
+
+/// How far the hand goes on while the obstacle is brought in [m].
+double Simulator::handTravel() const {
+  const double speed = config_.obstacle_speed_mps;
+  return speed > 0.0 ? config_.controller.speed_mps * kBringWay / speed : 0.0;
+}
+
+/// Path that must be left when the obstacle appears [m].
+double Simulator::roomForObstacle() const {
+  const bool collides = config_.purpose == ObstaclePurpose::kCollision;
+  return handTravel() + (collides ? config_.gap_m + kRoomToHit : 0.0);
+}
+
+void Simulator::requireRoomForObstacle() const {
+  if (config_.obstacle == ObstacleKind::kNone) return;
+  const double speed = config_.controller.speed_mps;
+  const double until_full_speed = speed * speed / (2.0 * config_.controller.acceleration_mps2);
+  if (until_full_speed + roomForObstacle() < path_.length()) return;
+  throw ConfigError("speed_mps, gap_m, obstacle_speed_mps: a hand at " + std::to_string(speed) +
+                    " m/s has no room for the obstacle on its path of " +
+                    std::to_string(path_.length()) + " m");
+}
+
+void Simulator::maybeAddObstacle() {
+  if (config_.obstacle == ObstacleKind::kNone || first_obstacle_) return;
+  if (now_ < config_.start + fromSeconds(config_.appear_s)) return;
+  const double full_speed = 0.99 * config_.controller.speed_mps;
+  if (!controller_.outbound() || controller_.braking() || controller_.speed() < full_speed) return;
+  if (path_.length() - controller_.distance() < roomForObstacle()) return;
+  addObstacle(handTravel());
+}
+
+void Simulator::addObstacle(double hand_travel_m) {
+  const HandState hand = handAt(controller_.distance() + hand_travel_m);
+  const Vector3 sensor = kinematics_.linkPoses()[sensor_].translation();
+  World obstacle = config_.purpose == ObstaclePurpose::kCollision
+                       ? obstacleAhead(config_.obstacle, hand, config_.gap_m)
+                       : obstacleBetween(config_.obstacle, sensor, hand.centre);
+  Entrance entrance{now_};
+  if (config_.obstacle_speed_mps > 0.0) {
+    entrance.offset = kBringWay * hand.heading.cross(Vector3::UnitZ()).normalized();
+    entrance.speed_mps = config_.obstacle_speed_mps;
+  }
+  first_obstacle_ = world_.size();
+  Body body;
+  for (SceneObject& part : obstacle) {
+    part.entrance = entrance;
+    body.shapes.push_back(part.shape);
+    body.poses.push_back(part.T_fixed_shape);
+    world_.push_back(part);
+  }
+  sampled_obstacle_ = SampledBody(body, kSpacing);
+  truth_.appeared = now_;
+  truth_.in_place = entrance.arrives();
+}
+
+std::optional<SimulatedScan> Simulator::maybeFinishScan() {
+  if (now_ < scan_start_ + config_.scanner.scanDuration()) return std::nullopt;
+  SimulatedScan scan = scanner_.measure(scan_start_, snapshots_);
+  noteFirstBeam(scan);
+  scan_start_ += fromSeconds(config_.scanner.period_s);
+  const auto needed = std::find_if(snapshots_.begin(), snapshots_.end(), [this](const Snapshot& s) {
+    return s.stamp + kStep > scan_start_;
+  });
+  snapshots_.erase(snapshots_.begin(), needed);
+  return scan;
+}
+
+void Simulator::noteFirstBeam(const SimulatedScan& scan) {
+  if (!first_obstacle_ || truth_.first_beam) return;
+  for (std::size_t i = 0; i < scan.truth.size(); ++i) {
+    const BeamTruth& beam = scan.truth[i];
+    if (!beam.label || *beam.label < kFirstObject + *first_obstacle_ || beam.mixed) continue;
+    if (!std::isfinite(scan.scan.ranges[i])) continue;
+    truth_.first_beam = scan.scan.beamTime(i);
+    return;
+  }
+}
+
+void Simulator::recordTruth() {
+  const auto& poses = kinematics_.shapePoses();
+  std::vector<Pose> hand_poses;
+  for (const std::size_t shape : hand_shapes_) hand_poses.push_back(poses[shape]);
+  sampled_hand_->moveTo(hand_poses);
+  HandSample sample{now_, kinematics_.linkPoses()[palm_].translation(), controller_.speed(),
+                    std::nullopt, controller_.braking()};
+  if (first_obstacle_) {
+    std::vector<Pose> obstacle_poses;
+    for (std::size_t i = *first_obstacle_; i < world_.size(); ++i) {
+      obstacle_poses.push_back(*world_[i].poseAt(now_));
+    }
+    sampled_obstacle_->moveTo(obstacle_poses);
+    sample.obstacle_m = clearance(*sampled_hand_, *sampled_obstacle_);
+    truth_.obstacle_min_m = std::min(truth_.obstacle_min_m.value_or(1e9), *sample.obstacle_m);
+  }
+  truth_.hand.push_back(sample);
+}
+
+}  // namespace tccm::simulation

@@ -1,0 +1,112 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "simulation/arm_path.h"
+#include "simulation/clearance.h"
+#include "simulation/motion.h"
+#include "simulation/obstacle.h"
+#include "simulation/scanner.h"
+#include "simulation/truth.h"
+#include "simulation/world.h"
+#include "tccm_monitor/robot/kinematics.h"
+#include "tccm_monitor/robot/robot_model.h"
+
+namespace tccm::simulation {
+
+/// The robot's joints and links at one instant.
+struct RobotSample {
+  Time stamp;
+  std::vector<double> positions;   ///< of the model's variables [rad]
+  std::vector<double> velocities;  ///< [rad/s]
+  std::vector<Pose> link_poses;    ///< T_fixed_link, of the model's links
+};
+
+/// What came up during a step.
+struct StepOutput {
+  std::optional<RobotSample> robot;   ///< at 100 Hz
+  std::optional<SimulatedScan> scan;  ///< once its last beam is measured
+};
+
+/// The dual-arm robot in a scene, its laser nodding, its arms moving, an obstacle that appears.
+/// Deterministic: the same configuration and the same stops give the same output. The fixed frame
+/// is base_link, on the floor. Labels in BeamTruth: up to 25 the model's shapes, from kFirstObject
+/// on the world's objects.
+class Simulator {
+ public:
+  struct Config {
+    Time start{std::chrono::seconds(1000)};
+    std::string scene = "table";
+    std::string motion = "reach";
+    PathController::Config controller;
+    TiltMotion tilt;
+    Scanner::Config scanner;
+    std::uint64_t seed = 1;
+    ObstacleKind obstacle = ObstacleKind::kNone;
+    ObstaclePurpose purpose = ObstaclePurpose::kCollision;
+    /// After the start; the obstacle waits for the next moment when the hand is on its way out at
+    /// full speed and has room left to run into it.
+    double appear_s = 8.0;
+    double gap_m = 0.15;  ///< between hand and obstacle when the obstacle is in its place
+    /// Above 0: the obstacle is brought in from 0.4 m aside at this speed, and is in its place when
+    /// a hand that went on would be gap_m away. 0: it appears in its place.
+    double obstacle_speed_mps = 0.0;
+
+    /// @throws ConfigError
+    void validate() const;
+  };
+  static constexpr std::size_t kFirstObject = 1000;
+
+  /// @throws ConfigError, also where no obstacle could ever appear as asked for.
+  explicit Simulator(const Config& config);
+
+  /// Moves on by 1 ms.
+  StepOutput step();
+  /// What the controller hears from now on.
+  void setStop(bool stop);
+
+  [[nodiscard]] Time now() const { return now_; }
+  [[nodiscard]] const RobotModel& model() const { return *model_; }
+  [[nodiscard]] const World& world() const { return world_; }
+  [[nodiscard]] const Truth& truth() const { return truth_; }
+  [[nodiscard]] const PathController& controller() const { return controller_; }
+
+ private:
+  [[nodiscard]] std::vector<double> jointsAt(double path_distance, Time stamp) const;
+  [[nodiscard]] std::vector<double> jointVelocities() const;
+  [[nodiscard]] HandState handAt(double path_distance) const;
+  [[nodiscard]] Snapshot snapshot() const;
+  [[nodiscard]] double handTravel() const;
+  [[nodiscard]] double roomForObstacle() const;
+  void requireRoomForObstacle() const;
+  void maybeAddObstacle();
+  void addObstacle(double hand_travel_m);
+  [[nodiscard]] std::optional<SimulatedScan> maybeFinishScan();
+  void noteFirstBeam(const SimulatedScan& scan);
+  void recordTruth();
+
+  Config config_;
+  std::shared_ptr<const RobotModel> model_;
+  Kinematics kinematics_;
+  ArmPath path_;
+  PathController controller_;
+  Scanner scanner_;
+  World world_;
+  Truth truth_;
+  Time now_;
+  Time scan_start_;
+  std::vector<Snapshot> snapshots_;  ///< since the scan's start
+  bool stop_ = false;
+  std::optional<std::size_t> first_obstacle_;  ///< index into the world
+  std::optional<SampledBody> sampled_obstacle_;
+  std::optional<SampledBody> sampled_hand_;
+  std::vector<std::size_t> hand_shapes_;  ///< indices into the model's shapes
+  std::size_t tilt_;                      ///< variable
+  std::size_t sensor_;                    ///< link
+  std::size_t palm_;                      ///< link
+};
+
+}  // namespace tccm::simulation

@@ -1,0 +1,255 @@
+#include "tccm_monitor/check/checker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "tccm_monitor/config_error.h"
+
+namespace tccm {
+namespace {
+
+std::string ageText(const std::string& what, Duration age) {
+  char text[160];
+  std::snprintf(text, sizeof text, "%s %.0f ms old", what.c_str(), 1e3 * toSeconds(age));
+  return text;
+}
+
+}  // namespace
+
+void Checker::Config::validate() const {
+  pose.validate();
+  joints.validate();
+  requireInRange("horizon_s", horizon_s, 0.0, 10.0);
+  requireInRange("joint_timeout_s", joint_timeout_s, 0.001, 10.0);
+  requireInRange("transform_timeout_s", transform_timeout_s, 0.001, 10.0);
+  requireInRange("scan_timeout_periods", scan_timeout_periods, 1.0, 100.0);
+  requireInRange("map_age_max_s", map_age_max_s, 0.001, 10.0);
+  requireInRange("future_max_s", future_max_s, 0.0, 10.0);
+  requireInRange("transform_future_max_s", transform_future_max_s, 0.0, 10.0);
+  requireInRange("release_s", release_s, 0.0, 600.0);
+}
+
+Checker::Checker(std::shared_ptr<const RobotModel> model, const Config& config)
+    : model_(std::move(model)),
+      config_((config.validate(), config)),
+      joints_(model_, config.joints),
+      check_now_(model_, config.pose),
+      check_ahead_(model_, config.pose),
+      check_state_(model_, config.pose),
+      positions_ahead_(model_->variables().size()) {}
+
+JointStates::Added Checker::addJoints(Time stamp, const std::vector<std::string>& names,
+                                      const std::vector<double>& positions,
+                                      const std::vector<double>& velocities) {
+  return joints_.add(stamp, names, positions, velocities);
+}
+
+void Checker::reconfigure(const Config& config) {
+  config.validate();
+  PoseCheck check(model_, config.pose);
+  config_ = config;
+  check_now_ = check_ahead_ = check_state_ = std::move(check);
+}
+
+void Checker::setRootPose(Time stamp, const Pose& T_fixed_root, bool is_static) {
+  if (isRigid(T_fixed_root)) root_ = RootPose{stamp, T_fixed_root, is_static};
+}
+
+void Checker::setMap(Time now, std::shared_ptr<const CuboidMap> map) {
+  if (map_ && map->stamp > map_->stamp) {
+    const double period = toSeconds(map->stamp - map_->stamp);
+    scan_period_s_ = scan_period_s_ ? 0.9 * *scan_period_s_ + 0.1 * period : period;
+  }
+  map_ = std::move(map);
+  map_arrival_ = now;
+}
+
+void Checker::reset() {
+  joints_.reset();
+  map_.reset();
+  scan_period_s_.reset();
+  started_.reset();
+  root_.reset();
+  last_stop_.reset();
+}
+
+bool Checker::within(Time now, double seconds) const {
+  return now - *started_ <= fromSeconds(seconds);
+}
+
+Checker::Cause Checker::jointsCause(Time now, const JointSnapshot* joints) const {
+  if (!joints) {
+    if (within(now, config_.joint_timeout_s)) return {Reason::kInit, "waiting for joint states", {}};
+    const auto missing = joints_.missingJoint();
+    return {Reason::kNoJoints,
+            missing ? "joint '" + *missing + "' was never published" : "no joint states", {}};
+  }
+  const Duration age = now - joints->oldest;
+  if (-age > fromSeconds(config_.future_max_s)) {
+    return {Reason::kFuture, ageText("a joint state is stamped in the future,", age), {}};
+  }
+  if (age > fromSeconds(config_.joint_timeout_s)) {
+    return {Reason::kNoJoints, ageText("a joint's last position is", age), {}};
+  }
+  return {};
+}
+
+Checker::Cause Checker::rootCause(Time now) const {
+  if (!root_) {
+    if (within(now, config_.transform_timeout_s)) {
+      return {Reason::kInit, "waiting for the robot's pose", {}};
+    }
+    return {Reason::kNoTransform,
+            "no transform from the robot's root '" + model_->rootLink() + "' to fixed_frame '" +
+                config_.fixed_frame + "'",
+            {}};
+  }
+  const Duration age = now - root_->stamp;
+  if (!root_->is_static && -age > fromSeconds(config_.transform_future_max_s)) {
+    return {Reason::kFuture, ageText("the robot's pose is stamped in the future,", age), {}};
+  }
+  if (root_->is_static || age <= fromSeconds(config_.transform_timeout_s)) return {};
+  return {Reason::kNoTransform, ageText("the robot's pose in the fixed frame is", age), {}};
+}
+
+Checker::Cause Checker::mapCause(Time now) const {
+  if (!map_) {
+    if (within(now, config_.map_age_max_s)) return {Reason::kInit, "waiting for the first scan", {}};
+    return {Reason::kNoMap, "no scan was ever mapped", {}};
+  }
+  const Duration age = now - map_->stamp;
+  if (-age > fromSeconds(config_.future_max_s)) {
+    return {Reason::kFuture, ageText("the newest scan is stamped in the future,", age), {}};
+  }
+  const double silence_s = scan_period_s_ ? config_.scan_timeout_periods * *scan_period_s_
+                                          : config_.map_age_max_s;
+  if (now - map_arrival_ > fromSeconds(silence_s)) {
+    return {Reason::kNoMap, ageText("no scan was mapped lately: the last is", age), {}};
+  }
+  if (age > fromSeconds(config_.map_age_max_s)) {
+    return {Reason::kMapLate, ageText("the newest scan in the map is", age), {}};
+  }
+  if (map_->overflowed) return {Reason::kMapOverflow, "points were left out of the map", {}};
+  if (!map_->complete) return {Reason::kInit, "the map does not hold a whole sweep yet", {}};
+  return {};
+}
+
+Checker::Cause Checker::inputCause(Time now, const JointSnapshot* joints) const {
+  return std::max({jointsCause(now, joints), rootCause(now), mapCause(now)},
+                  [](const Cause& a, const Cause& b) { return a.reason < b.reason; });
+}
+
+Checker::Cause Checker::findingsCause(const PoseFindings& findings, bool ahead) const {
+  const std::string when = ahead ? " ahead" : "";
+  if (findings.collision) {
+    const std::string& link = model_->linkOf(findings.contacts.front().shape);
+    return {ahead ? Reason::kCollisionAhead : Reason::kCollision,
+            link + " touches the map" + when, link};
+  }
+  if (findings.occlusion) {
+    const auto worst = std::min_element(
+        findings.links.begin(), findings.links.end(), [this](const auto& a, const auto& b) {
+          const bool a_hidden = check_now_.isOccluded(a), b_hidden = check_now_.isOccluded(b);
+          return a_hidden != b_hidden ? a_hidden : a.visible_fraction < b.visible_fraction;
+        });
+    const std::string& link = model_->links()[worst->link];
+    return {ahead ? Reason::kOcclusionAhead : Reason::kOcclusion,
+            link + " is hidden from the sensor" + when, link};
+  }
+  return {};
+}
+
+void Checker::lookAhead(const JointSnapshot& joints) {
+  for (std::size_t i = 0; i < positions_ahead_.size(); ++i) {
+    const JointVariable& variable = model_->variables()[i];
+    double& ahead = positions_ahead_[i];
+    ahead = joints.positions[i] + config_.horizon_s * joints.velocities[i];
+    // A joint measured beyond its limit stays where it is: a clamp must not move it back in.
+    if (variable.lower) ahead = std::max(ahead, std::min(*variable.lower, joints.positions[i]));
+    if (variable.upper) ahead = std::min(ahead, std::max(*variable.upper, joints.positions[i]));
+  }
+}
+
+const Verdict& Checker::check(Time now) {
+  if (started_ && now < verdict_.stamp) reset();
+  if (!started_) started_ = now;
+  const JointSnapshot* joints = joints_.latest();
+  verdict_.stamp = now;
+  verdict_.joints_stamp = joints ? joints->oldest : Time();
+  verdict_.serial = map_ ? map_->serial : 0;
+  Cause cause = inputCause(now, joints);
+  verdict_.known = cause.reason == Reason::kClear;
+  verdict_.collision = verdict_.occlusion = false;
+  verdict_.placed = map_ && joints && root_;
+  if (verdict_.placed) {
+    lookAhead(*joints);
+    check_now_.check(*map_, joints->positions, root_->T_fixed_root, verdict_.now);
+    check_ahead_.check(*map_, positions_ahead_, root_->T_fixed_root, verdict_.ahead);
+    verdict_.collision = verdict_.now.collision || verdict_.ahead.collision;
+    verdict_.occlusion = verdict_.now.occlusion || verdict_.ahead.occlusion;
+    const Cause finding = std::max(
+        findingsCause(verdict_.now, false), findingsCause(verdict_.ahead, true),
+        [](const Cause& a, const Cause& b) { return a.reason < b.reason; });
+    if (finding.reason > cause.reason) cause = finding;
+  } else {
+    verdict_.now = {};
+    verdict_.ahead = {};
+  }
+  decide(cause);
+  return verdict_;
+}
+
+void Checker::decide(const Cause& cause) {
+  verdict_.reason = cause.reason;
+  verdict_.detail = cause.detail;
+  verdict_.link = cause.link;
+  if (cause.reason == Reason::kClear && last_stop_) {
+    const Duration release = std::max(fromSeconds(config_.release_s), map_->window);
+    if (verdict_.stamp - *last_stop_ < release) {
+      verdict_.reason = Reason::kReleasing;
+      verdict_.detail = "clear, but not for a whole window yet";
+    } else {
+      last_stop_.reset();
+    }
+  } else if (cause.reason != Reason::kClear && cause.reason != Reason::kInit) {
+    last_stop_ = verdict_.stamp;
+  }
+  verdict_.level = levelOf(verdict_.reason);
+  verdict_.stop = verdict_.level != Level::kOk;
+}
+
+Checker::StateAnswer Checker::checkState(Time now, const std::vector<std::string>& names,
+                                         const std::vector<double>& positions) {
+  StateAnswer answer;
+  if (!started_) started_ = now;
+  const JointSnapshot* joints = joints_.latest();
+  const Cause fault = inputCause(now, joints);
+  const auto refuse = [&](Reason reason, const std::string& detail) {
+    answer.reason = reason;
+    answer.detail = detail;
+    return answer;
+  };
+  if (names.empty() || names.size() != positions.size()) {
+    return refuse(Reason::kBadQuestion, "as many positions as joint names are needed, and one at least");
+  }
+  if (fault.reason != Reason::kClear) return refuse(fault.reason, fault.detail);
+  std::vector<double> asked = joints->positions;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (!model_->hasJoint(names[i]) || !std::isfinite(positions[i])) {
+      return refuse(Reason::kBadQuestion,
+                    "joint '" + names[i] + "' is unknown, or its position is not finite");
+    }
+    for (std::size_t v = 0; v < asked.size(); ++v) {
+      if (model_->variables()[v].name == names[i]) asked[v] = positions[i];
+    }
+  }
+  check_state_.check(*map_, asked, root_->T_fixed_root, answer.findings);
+  const Cause found = findingsCause(answer.findings, false);
+  answer.reason = found.reason;
+  answer.detail = found.detail;
+  answer.link = found.link;
+  return answer;
+}
+
+}  // namespace tccm

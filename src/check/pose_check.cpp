@@ -1,0 +1,79 @@
+#include "tccm_monitor/check/pose_check.h"
+
+#include <algorithm>
+
+#include "tccm_monitor/config_error.h"
+#include "tccm_monitor/stopwatch.h"
+
+namespace tccm {
+namespace {
+
+Body bodyOf(const RobotModel& model, const std::vector<std::size_t>& shapes,
+            const Expansion& expansion) {
+  Body body;
+  for (const std::size_t i : shapes) {
+    body.shapes.push_back(expanded(model.shapes()[i].shape, expansion));
+  }
+  body.poses.resize(shapes.size(), Pose::Identity());
+  return body;
+}
+
+std::vector<std::uint32_t> linksOf(const RobotModel& model,
+                                   const std::vector<std::size_t>& shapes) {
+  std::vector<std::uint32_t> links;
+  for (const std::size_t i : shapes) {
+    links.push_back(static_cast<std::uint32_t>(model.shapes()[i].link));
+  }
+  return links;
+}
+
+void place(const std::vector<std::size_t>& shapes, const std::vector<Pose>& poses, Body& body) {
+  for (std::size_t i = 0; i < shapes.size(); ++i) body.poses[i] = poses[shapes[i]];
+}
+
+}  // namespace
+
+void PoseCheck::Config::validate() const {
+  requireInRange("primitive_scale", expansion.scale, 1.0, 3.0);
+  requireInRange("collision_padding_m", expansion.padding_m, 0.0, 1.0);
+  collision.validate();
+  occlusion.validate();
+}
+
+PoseCheck::PoseCheck(std::shared_ptr<const RobotModel> model, const Config& config)
+    : model_(std::move(model)),
+      config_((config.validate(), config)),
+      kinematics_(model_),
+      collision_shapes_(model_->shapesOf(config.collision_links, "collision_links")),
+      occlusion_shapes_(model_->shapesOf(config.occlusion_links, "occlusion_links")),
+      collision_body_(bodyOf(*model_, collision_shapes_, config.expansion)),
+      occlusion_body_(bodyOf(*model_, occlusion_shapes_, Expansion{})),
+      collision_(config.collision),
+      occlusion_(config.occlusion, linksOf(*model_, occlusion_shapes_)) {}
+
+void PoseCheck::check(const CuboidMap& map, const std::vector<double>& positions,
+                      const Pose& T_fixed_root, PoseFindings& findings) {
+  Stopwatch stopwatch;
+  kinematics_.update(positions, T_fixed_root);
+  place(collision_shapes_, kinematics_.shapePoses(), collision_body_);
+  findings.contacts = collision_.find(map, collision_body_);
+  for (Contact& contact : findings.contacts) {
+    contact.shape = static_cast<std::uint32_t>(collision_shapes_[contact.shape]);
+  }
+  findings.collision = !findings.contacts.empty();
+  findings.collision_us = stopwatch.lapMicroseconds();
+  findings.links.clear();
+  findings.occluding_cuboids.clear();
+  findings.occlusion = false;
+  if (!config_.check_occlusion) return;
+  place(occlusion_shapes_, kinematics_.shapePoses(), occlusion_body_);
+  const OcclusionCheck::Result& hidden = occlusion_.find(map, occlusion_body_);
+  findings.links = hidden.links;
+  findings.occluding_cuboids = hidden.cuboids;
+  findings.occlusion =
+      std::any_of(hidden.links.begin(), hidden.links.end(),
+                  [this](const LinkVisibility& link) { return occlusion_.isOccluded(link); });
+  findings.occlusion_us = stopwatch.lapMicroseconds();
+}
+
+}  // namespace tccm

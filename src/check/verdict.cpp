@@ -1,0 +1,44 @@
+#include "tccm_monitor/check/verdict.h"
+
+namespace tccm {
+
+const char* name(Reason reason) {
+  switch (reason) {
+    case Reason::kClear:
+      return "CLEAR";
+    case Reason::kReleasing:
+      return "RELEASING";
+    case Reason::kOcclusionAhead:
+      return "OCCLUSION_AHEAD";
+    case Reason::kOcclusion:
+      return "OCCLUSION";
+    case Reason::kCollisionAhead:
+      return "COLLISION_AHEAD";
+    case Reason::kCollision:
+      return "COLLISION";
+    case Reason::kInit:
+      return "INIT";
+    case Reason::kMapOverflow:
+      return "MAP_OVERFLOW";
+    case Reason::kNoMap:
+      return "NO_MAP";
+    case Reason::kMapLate:
+      return "MAP_LATE";
+    case Reason::kNoJoints:
+      return "NO_JOINTS";
+    case Reason::kNoTransform:
+      return "NO_TRANSFORM";
+    case Reason::kFuture:
+      return "FUTURE_STAMP";
+    case Reason::kBadQuestion:
+      return "BAD_QUESTION";
+  }
+  return "UNKNOWN";
+}
+
+Level levelOf(Reason reason) {
+  if (reason == Reason::kClear) return Level::kOk;
+  return reason <= Reason::kCollision ? Level::kStop : Level::kFault;
+}
+
+}  // namespace tccm

@@ -1,0 +1,149 @@
+#include "tccm_monitor/map/grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tccm_monitor/config_error.h"
+
+namespace tccm {
+namespace {
+
+constexpr double kCellsMax = 4e6;
+constexpr double kFarthest = 1e4;  // [m]
+constexpr double kDoubt = 1e-6;    // [m]; rounding to the micrometre moves a point by half of it
+
+double cellsAlong(double size, double cell_size) {
+  return std::ceil(size / cell_size - 1e-9);  // 1.5 / 0.02 is a hair above 75
+}
+
+Height clampToHeight(double quanta) {
+  return static_cast<Height>(std::clamp(quanta, double{std::numeric_limits<Height>::min()},
+                                        double{std::numeric_limits<Height>::max()}));
+}
+
+CellIndex clampToCells(double index, CellIndex cells) {
+  return static_cast<CellIndex>(std::clamp(index, 0.0, static_cast<double>(cells)));
+}
+
+/// As std::nearbyint, halves to even, for |x| up to 2^51, but inline: adding 1.5 * 2^52 leaves no
+/// bits for the fraction. Each return of each scan is rounded four times.
+double nearest(double x) {
+  constexpr double kShift = 6755399441055744.0;
+  return (x + kShift) - kShift;
+}
+
+}  // namespace
+
+void Grid::Config::validate() const {
+  requireInRange("area_origin_x_m", origin_x_m, -kFarthest, kFarthest);
+  requireInRange("area_origin_y_m", origin_y_m, -kFarthest, kFarthest);
+  requireInRange("cell_size_m", cell_size_m, 0.001, 1.0);
+  requireInRange("area_size_x_m", size_x_m, cell_size_m, kFarthest);
+  requireInRange("area_size_y_m", size_y_m, cell_size_m, kFarthest);
+  const double cells = cellsAlong(size_x_m, cell_size_m) * cellsAlong(size_y_m, cell_size_m);
+  requireInRange("cells of the area (area_size_x_m, area_size_y_m, cell_size_m)", cells, 1.0,
+                 kCellsMax);
+  requireInRange("height_quantum_m", height_quantum_m, 1e-4, 0.1);
+  const double highest = 32000.0 * height_quantum_m;  // room for a thickness below the lowest
+  requireInRange("height_min_m", height_min_m, -0.5 * highest, highest);
+  requireInRange("height_max_m", height_max_m, height_min_m + height_quantum_m, highest);
+}
+
+Grid::Grid(const Config& config)
+    : config_((config.validate(), config)),
+      cells_a_metre_(1.0 / config.cell_size_m),
+      quanta_a_metre_(1.0 / config.height_quantum_m),
+      doubt_cells_(kDoubt * cells_a_metre_),
+      doubt_quanta_(kDoubt * quanta_a_metre_) {
+  cells_x_ = static_cast<CellIndex>(cellsAlong(config_.size_x_m, config_.cell_size_m));
+  cells_y_ = static_cast<CellIndex>(cellsAlong(config_.size_y_m, config_.cell_size_m));
+}
+
+double Grid::toMicrometre(double metres) { return nearest(metres * 1e6) / 1e6; }
+
+std::optional<CellIndex> Grid::cellOf(const Vector3& p_fixed) const {
+  const double x = (p_fixed.x() - config_.origin_x_m) / config_.cell_size_m;
+  const double y = (p_fixed.y() - config_.origin_y_m) / config_.cell_size_m;
+  const bool inside = x >= 0.0 && x < cells_x_ && y >= 0.0 && y < cells_y_ &&
+                      p_fixed.z() >= config_.height_min_m && p_fixed.z() < config_.height_max_m;
+  if (!inside) return std::nullopt;
+  // From 0 up, a cast is the floor, and needs no call.
+  return static_cast<CellIndex>(y) * cells_x_ + static_cast<CellIndex>(x);
+}
+
+std::optional<Grid::Place> Grid::place(const Vector3& p_fixed) const {
+  const double x = (p_fixed.x() - config_.origin_x_m) * cells_a_metre_;
+  const double y = (p_fixed.y() - config_.origin_y_m) * cells_a_metre_;
+  const double z = p_fixed.z();
+  const bool near = x > -doubt_cells_ && x < cells_x_ + doubt_cells_ && y > -doubt_cells_ &&
+                    y < cells_y_ + doubt_cells_ && z > config_.height_min_m - kDoubt &&
+                    z < config_.height_max_m + kDoubt;
+  if (!near) return std::nullopt;  // also for NaN
+  const auto ix = static_cast<std::int64_t>(x), iy = static_cast<std::int64_t>(y);
+  const double beyond_x = x - static_cast<double>(ix), beyond_y = y - static_cast<double>(iy);
+  const double quanta = z * quanta_a_metre_;
+  const double height = nearest(quanta);
+  const bool sure = beyond_x > doubt_cells_ && beyond_x < 1.0 - doubt_cells_ &&
+                    beyond_y > doubt_cells_ && beyond_y < 1.0 - doubt_cells_ &&
+                    std::abs(quanta - height) < 0.5 - doubt_quanta_ &&
+                    z > config_.height_min_m + kDoubt && z < config_.height_max_m - kDoubt;
+  if (sure) {
+    return Place{static_cast<CellIndex>(iy) * cells_x_ + static_cast<CellIndex>(ix),
+                 static_cast<Height>(height)};
+  }
+  const Vector3 rounded(toMicrometre(p_fixed.x()), toMicrometre(p_fixed.y()), toMicrometre(z));
+  const auto cell = cellOf(rounded);
+  if (!cell) return std::nullopt;
+  return Place{*cell, heightOf(rounded.z())};
+}
+
+Height Grid::heightOf(double z) const {
+  return static_cast<Height>(nearest(z / config_.height_quantum_m));
+}
+
+Height Grid::heightFloor(double z) const {
+  return clampToHeight(std::floor(z / config_.height_quantum_m));
+}
+
+Height Grid::heightCeil(double z) const {
+  return clampToHeight(std::ceil(z / config_.height_quantum_m));
+}
+
+UprightBox Grid::box(CellIndex cell, int bottom, int top) const {
+  const double x = config_.origin_x_m + (cell % cells_x_) * config_.cell_size_m;
+  const double y = config_.origin_y_m + (cell / cells_x_) * config_.cell_size_m;
+  return {Vector3(x, y, metres(bottom)),
+          Vector3(x + config_.cell_size_m, y + config_.cell_size_m, metres(top))};
+}
+
+Eigen::Vector2d Grid::centre(CellIndex cell) const {
+  return {config_.origin_x_m + (cell % cells_x_ + 0.5) * config_.cell_size_m,
+          config_.origin_y_m + (cell / cells_x_ + 0.5) * config_.cell_size_m};
+}
+
+Grid::Footprint Grid::footprint(const UprightBox& box) const {
+  // A box that ends on a cell's border touches the cells on both sides of it.
+  const double size = config_.cell_size_m;
+  const auto first = [size](double low, double origin) {
+    return std::ceil((low - origin) / size) - 1;
+  };
+  const auto last = [size](double high, double origin) {
+    return std::floor((high - origin) / size) + 1;
+  };
+  return {clampToCells(first(box.min().x(), config_.origin_x_m), cells_x_),
+          clampToCells(last(box.max().x(), config_.origin_x_m), cells_x_),
+          clampToCells(first(box.min().y(), config_.origin_y_m), cells_y_),
+          clampToCells(last(box.max().y(), config_.origin_y_m), cells_y_)};
+}
+
+bool Grid::operator==(const Grid& other) const {
+  const Config& a = config_;
+  const Config& b = other.config_;
+  return a.origin_x_m == b.origin_x_m && a.origin_y_m == b.origin_y_m && a.size_x_m == b.size_x_m &&
+         a.size_y_m == b.size_y_m && a.height_min_m == b.height_min_m &&
+         a.height_max_m == b.height_max_m && a.cell_size_m == b.cell_size_m &&
+         a.height_quantum_m == b.height_quantum_m;
+}
+
+}  // namespace tccm

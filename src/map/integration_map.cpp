@@ -1,0 +1,124 @@
+#include "tccm_monitor/map/integration_map.h"
+
+#include <algorithm>
+
+#include "tccm_monitor/config_error.h"
+
+namespace tccm {
+
+void IntegrationMap::Config::validate() const {
+  grid.validate();
+  requireInRange("thickness_m", thickness_m, grid.height_quantum_m,
+                 2000.0 * grid.height_quantum_m);
+  requireInRange("window_scans_max", static_cast<double>(scans_max), 1.0, 100000.0);
+  requireInRange("window_returns_max", static_cast<double>(returns_max), 1.0, 1e8);
+  requireInRange("intervals_max", static_cast<double>(intervals_max), 2.0, 1e8);
+}
+
+IntegrationMap::IntegrationMap(const Config& config)
+    : config_((config.validate(), config)),
+      grid_(config.grid),
+      thickness_(grid_.heightOf(config.thickness_m)),
+      columns_(grid_.cells(), config.intervals_max),
+      // Layers as thick as a return: returns of two cuboids never share one.
+      counts_(grid_, thickness_),
+      ring_(config.scans_max, config.returns_max) {}
+
+IntegrationMap::Added IntegrationMap::add(Time stamp, const std::vector<Vector3>& returns) {
+  if (ring_.full()) expireOldest();
+  ++serial_;
+  newest_stamp_ = stamp;
+  ring_.begin(serial_, stamp);
+  Added added;
+  for (const Vector3& p_fixed : returns) {
+    const auto place = grid_.place(p_fixed);
+    if (!place) {
+      ++added.out_of_area;
+    } else if (insert({place->cell, place->height})) {
+      ++added.mapped;
+    } else {
+      overflow_serial_ = serial_;
+    }
+  }
+  return added;
+}
+
+bool IntegrationMap::insert(const MappedReturn& entry) {
+  const auto bottom = static_cast<Height>(entry.height - thickness_);
+  if (!ring_.hasRoom()) return false;
+  if (!columns_.insert(entry.cell, bottom, entry.height, serial_)) return false;
+  ring_.add(entry);
+  counts_.add(entry.cell, entry.height);
+  return true;
+}
+
+void IntegrationMap::expireOldest() {
+  const std::uint32_t serial = ring_.oldestSerial();
+  CellIndex last = grid_.cells();  // neighbouring beams often fall into one cell
+  ring_.dropOldest([&](const MappedReturn& entry) {
+    counts_.remove(entry.cell, entry.height);
+    if (entry.cell != last) columns_.expire(entry.cell, serial);
+    last = entry.cell;
+  });
+}
+
+void IntegrationMap::clear() {
+  columns_.clear();
+  counts_.clear();
+  ring_.clear();
+  overflow_serial_ = 0;
+}
+
+bool IntegrationMap::overflowed() const {
+  return overflow_serial_ != 0 && serial_ - overflow_serial_ < ring_.scans();
+}
+
+std::size_t IntegrationMap::memoryBytes() const {
+  return columns_.memoryBytes() + counts_.memoryBytes() + ring_.memoryBytes();
+}
+
+Cuboid IntegrationMap::finished(Cuboid cuboid, std::uint32_t born) const {
+  cuboid.age_scans = serial_ - born;
+  cuboid.dyn = cuboid.age_scans / static_cast<std::uint32_t>(std::max<std::size_t>(1, scans()));
+  cuboid.points =
+      counts_.sum(cuboid.cell, static_cast<Height>(cuboid.bottom + thickness_), cuboid.top);
+  return cuboid;
+}
+
+void IntegrationMap::snapshot(CuboidMap& map) const {
+  map.grid = grid_;
+  map.stamp = newest_stamp_;
+  map.serial = serial_;
+  map.window_scans = static_cast<std::uint32_t>(scans());
+  map.overflowed = overflowed();
+  map.thickness = thickness_;
+  map.cuboids.clear();
+  map.cell_begin.resize(grid_.cells() + 1);
+  for (CellIndex cell = 0; cell < grid_.cells(); ++cell) {
+    map.cell_begin[cell] = static_cast<std::uint32_t>(map.cuboids.size());
+    std::uint32_t i = columns_.first(cell);
+    while (i != Columns::kNone) {
+      const Columns::Interval& lowest = columns_.interval(i);
+      Cuboid cuboid;
+      cuboid.cell = cell;
+      cuboid.bottom = lowest.bottom;
+      cuboid.top = lowest.bottom;
+      std::uint32_t age = 0;
+      // Touching intervals are one cuboid, or the list would depend on how it came about.
+      for (; i != Columns::kNone && columns_.interval(i).bottom == cuboid.top;
+           i = columns_.interval(i).next) {
+        cuboid.top = columns_.interval(i).top;
+        age = std::max(age, serial_ - columns_.interval(i).born);
+      }
+      map.cuboids.push_back(finished(cuboid, serial_ - age));
+    }
+  }
+  map.cell_begin[grid_.cells()] = static_cast<std::uint32_t>(map.cuboids.size());
+}
+
+void IntegrationMap::reserve(CuboidMap& map) const {
+  map.cuboids.reserve(config_.intervals_max);
+  map.cell_begin.reserve(grid_.cells() + 1);
+}
+
+}  // namespace tccm

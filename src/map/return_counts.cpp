@@ -1,0 +1,30 @@
+#include "tccm_monitor/map/return_counts.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace tccm {
+
+ReturnCounts::ReturnCounts(const Grid& grid, Height layer)
+    : lowest_(grid.heightFloor(grid.config().height_min_m)),
+      layer_(layer),
+      layers_(static_cast<std::size_t>(
+                  (grid.heightCeil(grid.config().height_max_m) - lowest_) / layer) + 1),
+      counts_(grid.cells() * layers_, 0) {
+  assert(layer >= 1);
+}
+
+void ReturnCounts::clear() { std::fill(counts_.begin(), counts_.end(), 0U); }
+
+std::uint32_t ReturnCounts::sum(CellIndex cell, Height low, Height high) const {
+  std::uint32_t total = 0;
+  const std::size_t last = index(cell, high);
+  for (std::size_t i = index(cell, low); i <= last; ++i) total += counts_[i];
+  return total;
+}
+
+std::size_t ReturnCounts::memoryBytes() const {
+  return counts_.capacity() * sizeof(counts_.front());
+}
+
+}  // namespace tccm

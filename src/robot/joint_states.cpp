@@ -1,0 +1,126 @@
+#include "tccm_monitor/robot/joint_states.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tccm_monitor/config_error.h"
+
+namespace tccm {
+
+void JointStates::Config::validate() const {
+  requireInRange("joint_gap_max_s", gap_max_s, 1e-3, 10.0);
+  requireInRange("joint_velocity_baseline_s", velocity_baseline_s, 1e-3, 1.0);
+  requireInRange("joint_samples_max", static_cast<double>(samples_max), 2.0, 1e5);
+}
+
+JointStates::JointStates(std::shared_ptr<const RobotModel> model, const Config& config)
+    : config_((config.validate(), config)) {
+  for (const JointVariable& variable : model->variables()) {
+    index_[variable.name] = names_.size();
+    names_.push_back(variable.name);
+  }
+  tracks_.resize(names_.size());
+  for (Track& track : tracks_) track.ring.resize(config_.samples_max);
+  snapshot_.positions.resize(names_.size());
+  snapshot_.velocities.resize(names_.size());
+}
+
+void JointStates::reset() {
+  for (Track& track : tracks_) track.count = track.next = 0;
+  last_message_.reset();
+}
+
+void JointStates::Track::add(const Sample& sample) {
+  ring[next] = sample;
+  next = (next + 1) % ring.size();
+  count = std::min(count + 1, ring.size());
+}
+
+JointStates::Added JointStates::add(Time stamp, const std::vector<std::string>& names,
+                                    const std::vector<double>& positions,
+                                    const std::vector<double>& velocities) {
+  Added added;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto found = index_.find(names[i]);
+    if (found == index_.end()) continue;
+    Track& track = tracks_[found->second];
+    if (track.count > 0 && track.newest(0).stamp - stamp > fromSeconds(config_.gap_max_s)) reset();
+    const bool usable = i < positions.size() && std::isfinite(positions[i]) &&
+                        (track.count == 0 || track.newest(0).stamp < stamp);
+    if (!usable) {
+      ++added.refused;
+      continue;
+    }
+    const double velocity =
+        i < velocities.size() ? velocities[i] : std::numeric_limits<double>::quiet_NaN();
+    track.add({stamp, positions[i], velocity});
+    ++added.taken;
+  }
+  last_message_ = last_message_ ? std::max(*last_message_, stamp) : stamp;
+  return added;
+}
+
+std::optional<std::string> JointStates::missingJoint() const {
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    if (tracks_[i].count == 0) return names_[i];
+  }
+  return std::nullopt;
+}
+
+double JointStates::velocityOf(const Track& track) const {
+  const Sample& newest = track.newest(0);
+  const double reported = std::isfinite(newest.velocity) ? newest.velocity : 0.0;
+  double differentiated = 0.0;
+  for (std::size_t k = 1; k < track.count; ++k) {
+    const double dt = toSeconds(newest.stamp - track.newest(k).stamp);
+    if (dt > std::max(config_.gap_max_s, config_.velocity_baseline_s) && k > 1) break;
+    differentiated = (newest.position - track.newest(k).position) / dt;
+    if (dt >= config_.velocity_baseline_s) break;
+  }
+  return std::abs(reported) >= std::abs(differentiated) ? reported : differentiated;
+}
+
+const JointSnapshot* JointStates::latest() {
+  if (missingJoint() || !last_message_) return nullptr;
+  snapshot_.oldest = *last_message_;
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    snapshot_.oldest = std::min(snapshot_.oldest, tracks_[i].newest(0).stamp);
+    snapshot_.positions[i] = tracks_[i].newest(0).position;
+    snapshot_.velocities[i] = velocityOf(tracks_[i]);
+  }
+  return &snapshot_;
+}
+
+bool JointStates::interpolate(const Track& track, Time stamp, double& position) const {
+  for (std::size_t k = 0; k < track.count; ++k) {
+    const Sample& before = track.newest(k);
+    if (before.stamp > stamp) continue;
+    position = before.position;
+    if (before.stamp == stamp) return true;
+    if (k == 0) return false;
+    const Sample& after = track.newest(k - 1);
+    const double gap = toSeconds(after.stamp - before.stamp);
+    const double u = toSeconds(stamp - before.stamp) / gap;
+    position += u * (after.position - before.position);
+    return gap <= config_.gap_max_s;
+  }
+  return false;
+}
+
+bool JointStates::at(Time stamp, std::vector<double>& positions) const {
+  positions.resize(tracks_.size());
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    if (!interpolate(tracks_[i], stamp, positions[i])) return false;
+  }
+  return true;
+}
+
+std::optional<Time> JointStates::answersUntil() const {
+  if (missingJoint() || !last_message_) return std::nullopt;
+  Time until = tracks_.empty() ? *last_message_ : tracks_.front().newest(0).stamp;
+  for (const Track& track : tracks_) until = std::min(until, track.newest(0).stamp);
+  return until;
+}
+
+}  // namespace tccm

@@ -1,0 +1,83 @@
+#include "tccm_monitor/ros/scan_source.h"
+
+#include <utility>
+
+#include "tccm_monitor/scan/projection.h"
+
+namespace tccm {
+namespace {
+
+constexpr std::size_t kWaitingMax = 100;  // scans; more means that transforms never come
+
+using Status = TransformHistory::Status;
+
+}  // namespace
+
+ScanSource::ScanSource(const AssemblerSettings& settings, std::string root_frame,
+                       const TransformHistory& transforms)
+    : fixed_frame_(withoutSlash(settings.fixed_frame)),
+      root_frame_(std::move(root_frame)),
+      beams_max_(settings.assembler.scan_beams_max),
+      step_(fromSeconds(settings.transform_sample_s)),
+      wait_max_(fromSeconds(settings.transform_wait_max_s)),
+      transforms_(transforms) {}
+
+std::string ScanSource::add(LaserScan scan, const std::string& frame, Time arrival) {
+  std::string defect = defectOf(scan, beams_max_);
+  if (!defect.empty()) {
+    ++dropped_["malformed"];
+    return defect;
+  }
+  if (waiting_.size() == kWaitingMax) {
+    waiting_.pop_front();
+    ++dropped_["no_transform"];
+  }
+  waiting_.push_back({std::move(scan), withoutSlash(frame), arrival});
+  return defect;
+}
+
+void ScanSource::clear() { waiting_.clear(); }
+
+Status ScanSource::place(Waiting& waiting, const JointStates* joints) {
+  const Time first = waiting.scan.stamp;
+  const Time last = waiting.scan.lastBeamTime();
+  if (joints) {
+    const auto until = joints->answersUntil();
+    if (!until || *until < last) return Status::kNotYet;
+    const Status status =
+        transforms_.path(fixed_frame_, root_frame_, first, last, step_, ready_.T_fixed_root);
+    if (status != Status::kFound) return status;
+  }
+  return transforms_.path(fixed_frame_, waiting.frame, first, last, step_, ready_.T_fixed_sensor);
+}
+
+const ScanSource::Ready* ScanSource::next(const JointStates* joints, Time now) {
+  while (!waiting_.empty()) {
+    const Status status = place(waiting_.front(), joints);
+    if (status == Status::kNotYet && now - waiting_.front().arrival <= wait_max_) return nullptr;
+    Waiting scan = std::move(waiting_.front());
+    waiting_.pop_front();
+    if (status == Status::kFound) {
+      ready_.scan = std::move(scan.scan);
+      return &ready_;
+    }
+    const bool joints_missing =
+        joints && status == Status::kNotYet &&
+        (!joints->answersUntil() || *joints->answersUntil() < scan.scan.lastBeamTime());
+    ++dropped_[joints_missing ? "no_joint_states" : TransformHistory::name(status)];
+  }
+  return nullptr;
+}
+
+std::size_t ScanSource::droppedCount() const {
+  std::size_t count = 0;
+  for (const auto& entry : dropped_) count += entry.second;
+  return count;
+}
+
+void ScanSource::drain() {
+  if (!waiting_.empty()) dropped_["no_transform"] += waiting_.size();
+  waiting_.clear();
+}
+
+}  // namespace tccm

@@ -1,0 +1,186 @@
+#include "tccm_monitor/ros/settings.h"
+
+#include "tccm_monitor/config_error.h"
+
+namespace tccm {
+namespace {
+
+void read(Parameters& parameters, RobotModel::Config& config) {
+  parameters.read("monitored_links", config.monitored_links);
+  parameters.read("capsule_links", config.capsule_links);
+}
+
+void read(Parameters& parameters, JointStates::Config& config) {
+  parameters.read("joint_gap_max_s", config.gap_max_s);
+  parameters.read("joint_velocity_baseline_s", config.velocity_baseline_s);
+  parameters.read("joint_samples_max", config.samples_max);
+}
+
+void read(Parameters& parameters, Grid::Config& config) {
+  parameters.read("area_origin_x_m", config.origin_x_m);
+  parameters.read("area_origin_y_m", config.origin_y_m);
+  parameters.read("area_size_x_m", config.size_x_m);
+  parameters.read("area_size_y_m", config.size_y_m);
+  parameters.read("height_min_m", config.height_min_m);
+  parameters.read("height_max_m", config.height_max_m);
+  parameters.read("cell_size_m", config.cell_size_m);
+  parameters.read("height_quantum_m", config.height_quantum_m);
+}
+
+void read(Parameters& parameters, PoseCheck::Config& config) {
+  parameters.read("primitive_scale", config.expansion.scale);
+  parameters.read("collision_padding_m", config.expansion.padding_m);
+  parameters.read("collision_links", config.collision_links);
+  parameters.read("support_points", config.collision.support_points);
+  parameters.read("support_height_m", config.collision.support_height_m);
+  parameters.read("contacts_max", config.collision.contacts_max);
+  parameters.read("check_occlusion", config.check_occlusion);
+  parameters.read("occlusion_links", config.occlusion_links);
+  parameters.read("occlusion_resolution_rad", config.occlusion.resolution_rad);
+  parameters.read("occlusion_margin_m", config.occlusion.margin_m);
+  parameters.read("occlusion_hidden_fraction", config.occlusion.hidden_fraction);
+  parameters.read("occlusion_silhouette_min_pixels", config.occlusion.silhouette_min_pixels);
+}
+
+YAML::Node loadFile(const std::string& path) {
+  if (path.empty()) return {};
+  try {
+    return YAML::LoadFile(path);
+  } catch (const YAML::Exception& error) {
+    throw ConfigError(path + ": " + error.what());
+  }
+}
+
+Parameters section(const YAML::Node& file, const std::string& name) {
+  return {file && file.IsMap() ? file[name] : YAML::Node(), name};
+}
+
+void refuseUnknown(const Parameters& parameters) {
+  const auto unknown = parameters.unknownKeys();
+  if (!unknown.empty()) {
+    throw ConfigError(parameters.owner() + "/" + unknown.front() + ": there is no such parameter");
+  }
+}
+
+void requireFrame(const std::string& frame) {
+  if (frame.find_first_not_of('/') == std::string::npos) {
+    throw ConfigError("fixed_frame: '" + frame + "' is no frame's name");
+  }
+}
+
+}  // namespace
+
+AssemblerSettings readAssemblerSettings(Parameters& parameters) {
+  AssemblerSettings settings;
+  parameters.read("fixed_frame", settings.fixed_frame);
+  parameters.read("self_filter", settings.self_filter);
+  read(parameters, settings.robot);
+  parameters.read("scan_beams_max", settings.assembler.scan_beams_max);
+  parameters.read("mixed_pixel_separation_m", settings.assembler.mixed_pixel.separation_m);
+  parameters.read("self_filter_padding_m", settings.assembler.body.padding_m);
+  parameters.read("self_filter_grazing_m", settings.assembler.body.grazing_m);
+  parameters.read("self_filter_shadow_depth_m", settings.assembler.body.shadow_depth_m);
+  parameters.read("body_sample_s", settings.body.sample_s);
+  read(parameters, settings.body.joints);
+  parameters.read("transform_gap_max_s", settings.transform_gap_max_s);
+  parameters.read("transform_sample_s", settings.transform_sample_s);
+  parameters.read("transform_wait_max_s", settings.transform_wait_max_s);
+  requireFrame(settings.fixed_frame);
+  settings.assembler.validate();
+  settings.body.validate();
+  requireInRange("transform_gap_max_s", settings.transform_gap_max_s, 0.001, 10.0);
+  requireInRange("transform_sample_s", settings.transform_sample_s, 1e-4, 1.0);
+  requireInRange("transform_wait_max_s", settings.transform_wait_max_s, 0.001, 10.0);
+  return settings;
+}
+
+MapperSettings readMapperSettings(Parameters& parameters) {
+  MapperSettings settings;
+  Mapper::Config& mapper = settings.mapper;
+  read(parameters, mapper.map.grid);
+  parameters.read("thickness_m", mapper.map.thickness_m);
+  parameters.read("window_scans", mapper.window_scans);
+  parameters.read("window_s", mapper.window_s);
+  parameters.read("window_tilt_periods", mapper.window_tilt_periods);
+  parameters.read("window_scans_max", mapper.map.scans_max);
+  parameters.read("window_returns_max", mapper.map.returns_max);
+  parameters.read("intervals_max", mapper.map.intervals_max);
+  parameters.read("tilt_hysteresis_rad", mapper.tilt.hysteresis_rad);
+  parameters.read("scan_gap_max_s", mapper.scan_gap_max_s);
+  parameters.read("time_jump_back_s", mapper.time_jump_back_s);
+  parameters.read("marker_rate_hz", settings.marker_rate_hz);
+  parameters.read("static_windows", settings.static_windows);
+  mapper.validate();
+  requireInRange("marker_rate_hz", settings.marker_rate_hz, 0.1, 100.0);
+  requireInRange("static_windows", settings.static_windows, 1, 1000);
+  return settings;
+}
+
+CheckerSettings readCheckerSettings(Parameters& parameters) {
+  CheckerSettings settings;
+  Checker::Config& checker = settings.checker;
+  parameters.read("fixed_frame", settings.fixed_frame);
+  read(parameters, settings.robot);
+  read(parameters, checker.pose);
+  read(parameters, checker.joints);
+  checker.fixed_frame = settings.fixed_frame;
+  parameters.read("horizon_s", checker.horizon_s);
+  parameters.read("joint_timeout_s", checker.joint_timeout_s);
+  parameters.read("transform_timeout_s", checker.transform_timeout_s);
+  parameters.read("scan_timeout_periods", checker.scan_timeout_periods);
+  parameters.read("map_age_max_s", checker.map_age_max_s);
+  parameters.read("future_max_s", checker.future_max_s);
+  parameters.read("transform_future_max_s", checker.transform_future_max_s);
+  parameters.read("release_s", checker.release_s);
+  parameters.read("publish_rate_hz", settings.publish_rate_hz);
+  parameters.read("marker_rate_hz", settings.marker_rate_hz);
+  requireFrame(settings.fixed_frame);
+  checker.validate();
+  requireInRange("publish_rate_hz", settings.publish_rate_hz, 1.0, 1000.0);
+  requireInRange("marker_rate_hz", settings.marker_rate_hz, 0.1, 100.0);
+  return settings;
+}
+
+Monitor::Config MonitorSettings::monitorConfig() const {
+  Monitor::Config config;
+  config.assembler = assembler.assembler;
+  config.self_filter = assembler.self_filter;
+  config.body = assembler.body;
+  config.mapper = mapper.mapper;
+  config.filtered_links = assembler.robot;
+  config.checked_links = checker.robot;
+  config.checker = checker.checker;
+  return config;
+}
+
+MonitorSettings readMonitorSettings(const std::string& path) {
+  const YAML::Node file = loadFile(path);
+  Parameters top(file, path);
+  for (const std::string& key : top.unknownKeys()) {
+    if (key == "tilt_scan_assembler" || key == "tccm_mapper" || key == "collision_checker" ||
+        key == "topics") {
+      continue;
+    }
+    throw ConfigError(path + ": '" + key + "' names no nodelet, nor is it topics");
+  }
+  MonitorSettings settings;
+  Parameters assembler = section(file, "tilt_scan_assembler");
+  settings.assembler = readAssemblerSettings(assembler);
+  refuseUnknown(assembler);
+  Parameters mapper = section(file, "tccm_mapper");
+  settings.mapper = readMapperSettings(mapper);
+  refuseUnknown(mapper);
+  Parameters checker = section(file, "collision_checker");
+  settings.checker = readCheckerSettings(checker);
+  refuseUnknown(checker);
+  Parameters topics = section(file, "topics");
+  topics.read("scan", settings.scan_topic);
+  topics.read("joint_states", settings.joint_states_topic);
+  refuseUnknown(topics);
+  if (settings.assembler.fixed_frame != settings.checker.fixed_frame) {
+    throw ConfigError("fixed_frame: tilt_scan_assembler and collision_checker name different ones");
+  }
+  return settings;
+}
+
+}  // namespace tccm

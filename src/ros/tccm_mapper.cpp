@@ -1,0 +1,140 @@
+#include "tccm_monitor/ros/tccm_mapper.h"
+
+#include <algorithm>
+#include <pluginlib/class_list_macros.hpp>
+
+#include "tccm_monitor/ros/conversions.h"
+#include "tccm_monitor/ros/markers.h"
+#include "tccm_monitor/ros/refusal.h"
+
+namespace tccm {
+
+void TccmMapper::onInit() {
+  startOrRefuse(getName(), [this] { setUp(); });
+}
+
+void TccmMapper::setUp() {
+  ros::NodeHandle& node = getNodeHandle();
+  settings_ = readFromServer(getPrivateNodeHandle(), readMapperSettings);
+  mapper_ = std::make_unique<Mapper>(settings_.mapper);
+  mapper_->reserve(snapshot_);
+  map_publisher_ = node.advertise<tccm_monitor::CuboidMap>("cuboid_map", 10);
+  marker_publisher_ = node.advertise<visualization_msgs::Marker>("cuboid_markers", 2);
+  clear_service_ = node.advertiseService("clear_map", &TccmMapper::clearMap, this);
+  get_service_ = node.advertiseService("get_cuboid_map", &TccmMapper::getCuboidMap, this);
+  cloud_subscriber_ = node.subscribe("scan_cloud", 20, &TccmMapper::receiveCloud, this,
+                                     ros::TransportHints().tcpNoDelay());
+  status_subscriber_ = node.subscribe("monitor_status", 2, &TccmMapper::receiveStatus, this);
+  marker_timer_ = node.createWallTimer(ros::WallDuration(1.0 / settings_.marker_rate_hz),
+                                       [this](const ros::WallTimerEvent&) { publishMarkers(); });
+  diagnostics_ = std::make_unique<diagnostic_updater::Updater>(node, getPrivateNodeHandle(),
+                                                               getName());
+  diagnostics_->setHardwareID("none");
+  diagnostics_->add("map", this, &TccmMapper::diagnose);
+  diagnostics_timer_ =
+      node.createWallTimer(ros::WallDuration(0.5),
+                           [this](const ros::WallTimerEvent&) { diagnostics_->update(); });
+}
+
+void TccmMapper::receiveCloud(const sensor_msgs::PointCloud2::ConstPtr& message) {
+  const std::string defect = fromMessage(*message, returns_);
+  if (!defect.empty()) return drop(defect);
+  if (!frame_.empty() && message->header.frame_id != frame_) {
+    return drop("its frame is '" + message->header.frame_id + "', the map's is '" + frame_ + "'");
+  }
+  const Mapper::Outcome outcome = mapper_->add(returns_);
+  if (!outcome.dropped.empty()) return drop(outcome.dropped);
+  frame_ = message->header.frame_id;
+  ++mapped_;
+  added_.mapped += outcome.added.mapped;
+  added_.out_of_area += outcome.added.out_of_area;
+  publish();
+}
+
+void TccmMapper::drop(const std::string& reason) {
+  ++dropped_;
+  NODELET_WARN_THROTTLE(5.0, "A scan_cloud was dropped: %s.", reason.c_str());
+}
+
+void TccmMapper::publish() {
+  mapper_->snapshot(snapshot_);
+  const auto message = messages_.take();
+  toMessage(snapshot_, frame_, *message);
+  label(*message);
+  newest_ = message;
+  map_publisher_.publish(newest_);
+}
+
+void TccmMapper::receiveStatus(const tccm_monitor::MonitorStatus::ConstPtr& message) {
+  flags_ = message->flagged;
+  std::stable_sort(flags_.begin(), flags_.end(),
+                   [](const auto& a, const auto& b) { return a.cell < b.cell; });
+}
+
+void TccmMapper::label(tccm_monitor::CuboidMap& message) const {
+  auto flag = flags_.begin();
+  for (tccm_monitor::Cuboid& cuboid : message.cuboids) {
+    while (flag != flags_.end() && flag->cell < cuboid.cell) ++flag;
+    for (auto same = flag; same != flags_.end() && same->cell == cuboid.cell; ++same) {
+      const bool meets = same->bottom <= cuboid.top && cuboid.top - cuboid.depth <= same->top;
+      // Of both, collision is the graver.
+      if (meets && cuboid.col != tccm_monitor::Cuboid::COLLISION) cuboid.col = same->col;
+    }
+  }
+}
+
+void TccmMapper::publishMarkers() {
+  if (!newest_ || marker_publisher_.getNumSubscribers() == 0) return;
+  toMarker(*newest_, settings_.static_windows, marker_);
+  marker_publisher_.publish(marker_);
+}
+
+bool TccmMapper::clearMap(std_srvs::Trigger::Request& /*request*/,
+                          std_srvs::Trigger::Response& response) {
+  mapper_->clear();
+  response.success = true;
+  response.message = "the map is empty until the next scan, and INIT for a whole window";
+  if (newest_) publish();
+  return true;
+}
+
+bool TccmMapper::getCuboidMap(tccm_monitor::GetCuboidMap::Request& /*request*/,
+                              tccm_monitor::GetCuboidMap::Response& response) {
+  response.success = newest_ != nullptr;
+  if (newest_) {
+    response.map = *newest_;
+  } else {
+    response.message = "no scan was mapped yet";
+  }
+  return true;
+}
+
+void TccmMapper::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  if (mapped_ == 0) {
+    status.summary(DiagnosticStatus::ERROR, "no scan_cloud yet");
+  } else if (snapshot_.overflowed) {
+    status.summary(DiagnosticStatus::ERROR,
+                   "points are left out: raise window_returns_max or intervals_max");
+  } else if (!snapshot_.complete &&
+             mapper_->map().scans() == settings_.mapper.map.scans_max) {
+    status.summary(DiagnosticStatus::ERROR, "window_scans_max is too small for the window");
+  } else if (!snapshot_.complete) {
+    status.summary(DiagnosticStatus::WARN, "the map does not hold a whole window yet");
+  } else {
+    status.summary(DiagnosticStatus::OK, "the map holds the whole window");
+  }
+  status.add("scans mapped", mapped_);
+  status.add("scan_clouds dropped", dropped_);
+  status.add("points mapped", added_.mapped);
+  status.add("points out of area", added_.out_of_area);
+  status.add("cuboids", snapshot_.cuboids.size());
+  status.add("window [scans]", mapper_->map().scans());
+  const auto tilt = mapper_->tiltPeriod();
+  status.add("tilt period [s]", tilt ? std::to_string(toSeconds(*tilt)) : "not measured yet");
+  status.add("memory [bytes]", mapper_->map().memoryBytes());
+}
+
+}  // namespace tccm
+
+PLUGINLIB_EXPORT_CLASS(tccm::TccmMapper, nodelet::Nodelet)

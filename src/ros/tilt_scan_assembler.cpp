@@ -1,0 +1,130 @@
+#include "tccm_monitor/ros/tilt_scan_assembler.h"
+
+#include <pluginlib/class_list_macros.hpp>
+#include <string>
+
+#include "tccm_monitor/config_error.h"
+#include "tccm_monitor/ros/conversions.h"
+#include "tccm_monitor/ros/refusal.h"
+#include "tccm_monitor/ros/robot_description.h"
+
+namespace tccm {
+
+void TiltScanAssembler::onInit() {
+  startOrRefuse(getName(), [this] { setUp(); });
+}
+
+void TiltScanAssembler::setUp() {
+  ros::NodeHandle& node = getNodeHandle();
+  settings_ = readFromServer(getPrivateNodeHandle(), readAssemblerSettings);
+  std::string root_frame;
+  if (settings_.self_filter) {
+    const auto model =
+        std::make_shared<const RobotModel>(readRobotDescription(node), settings_.robot);
+    body_ = std::make_unique<BodySampler>(model, settings_.body);
+    root_frame = model->rootLink();
+  }
+  assembler_ = std::make_unique<ScanAssembler>(settings_.assembler);
+  cloud_publisher_ = node.advertise<sensor_msgs::PointCloud2>("scan_cloud", 10);
+  transforms_ = std::make_unique<TransformListener>(
+      node, fromSeconds(settings_.transform_gap_max_s), [this] { process(); });
+  source_ = std::make_unique<ScanSource>(settings_, root_frame, transforms_->history());
+  const auto hints = ros::TransportHints().tcpNoDelay();
+  if (body_) {
+    joints_subscriber_ =
+        node.subscribe("joint_states", 200, &TiltScanAssembler::receiveJoints, this, hints);
+  }
+  scan_subscriber_ = node.subscribe("scan", 20, &TiltScanAssembler::receiveScan, this, hints);
+  diagnostics_ = std::make_unique<diagnostic_updater::Updater>(node, getPrivateNodeHandle(),
+                                                               getName());
+  diagnostics_->setHardwareID("none");
+  diagnostics_->add("scans", this, &TiltScanAssembler::diagnose);
+  diagnostics_timer_ = node.createWallTimer(
+      ros::WallDuration(0.5), [this](const ros::WallTimerEvent&) {
+        process();
+        diagnostics_->update();
+      });
+}
+
+void TiltScanAssembler::receiveScan(const sensor_msgs::LaserScan::ConstPtr& message) {
+  ++received_;
+  last_scan_ = ros::Time::now();
+  const std::string defect =
+      source_->add(fromMessage(*message), message->header.frame_id, toTime(last_scan_));
+  if (!defect.empty()) NODELET_WARN_THROTTLE(5.0, "A scan was dropped: %s.", defect.c_str());
+  process();
+}
+
+void TiltScanAssembler::receiveJoints(const sensor_msgs::JointState::ConstPtr& message) {
+  body_->joints().add(toTime(message->header.stamp), message->name, message->position,
+                      message->velocity);
+  process();
+}
+
+void TiltScanAssembler::process() {
+  if (!source_) return;
+  const JointStates* joints = body_ ? &body_->joints() : nullptr;
+  while (const ScanSource::Ready* ready = source_->next(joints, toTime(ros::Time::now()))) {
+    publish(*ready);
+  }
+  warnOfDrops();
+}
+
+void TiltScanAssembler::publish(const ScanSource::Ready& ready) {
+  static const std::vector<BodySample> kNobody;
+  if (body_) {
+    const std::string unknown =
+        body_->sample(ready.scan.stamp, ready.scan.lastBeamTime(), ready.T_fixed_root);
+    if (!unknown.empty()) return source_->countDrop(unknown);
+  }
+  const std::string defect = assembler_->assemble(
+      ready.scan, ready.T_fixed_sensor, body_ ? body_->samples() : kNobody, assembled_);
+  if (!defect.empty()) return source_->countDrop("malformed");
+  const BeamCounts counts = assembled_.counts();
+  for (std::size_t i = 0; i < kBeamKinds; ++i) beams_[i] += counts[i];
+  ++assembled_count_;
+  const auto cloud = clouds_.take();
+  toMessage(assembled_, withoutSlash(settings_.fixed_frame), *cloud);
+  cloud_publisher_.publish(sensor_msgs::PointCloud2::ConstPtr(cloud));
+}
+
+void TiltScanAssembler::warnOfDrops() {
+  const std::size_t dropped = source_->droppedCount();
+  if (dropped == dropped_last_) return;
+  dropped_last_ = dropped;
+  std::string reasons;
+  for (const auto& entry : source_->dropped()) {
+    reasons += " " + entry.first + " " + std::to_string(entry.second);
+  }
+  NODELET_WARN_THROTTLE(5.0, "Scans dropped so far:%s (fixed_frame '%s').", reasons.c_str(),
+                        settings_.fixed_frame.c_str());
+}
+
+void TiltScanAssembler::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  const double silence = (ros::Time::now() - last_scan_).toSec();
+  if (received_ == 0) {
+    status.summary(DiagnosticStatus::ERROR, "no scan yet");
+  } else if (silence > 1.0) {
+    status.summaryf(DiagnosticStatus::ERROR, "no scan for %.1f s", silence);
+  } else if (source_->droppedCount() > 0) {
+    status.summary(DiagnosticStatus::WARN, "scans were dropped");
+  } else {
+    status.summary(DiagnosticStatus::OK, "scans are assembled");
+  }
+  status.add("scans received", received_);
+  status.add("scans assembled", assembled_count_);
+  status.add("scans waiting", source_->waiting());
+  for (const auto& entry : source_->dropped()) {
+    status.add("scans dropped: " + entry.first, entry.second);
+  }
+  const char* const kinds[kBeamKinds] = {"kept",        "no return", "too close", "unknown",
+                                         "mixed pixel", "self",      "shadow"};
+  for (std::size_t i = 0; i < kBeamKinds; ++i) {
+    status.add(std::string("beams: ") + kinds[i], beams_[i]);
+  }
+}
+
+}  // namespace tccm
+
+PLUGINLIB_EXPORT_CLASS(tccm::TiltScanAssembler, nodelet::Nodelet)

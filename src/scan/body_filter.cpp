@@ -1,0 +1,60 @@
+#include "tccm_monitor/scan/body_filter.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tccm_monitor/config_error.h"
+
+namespace tccm {
+namespace {
+
+/// Squared distance from p to the ray's part up to length.
+double squaredDistance(const Ray& ray, double length, const Vector3& p) {
+  const double along = std::clamp((p - ray.origin).dot(ray.direction), 0.0, length);
+  return (ray.at(along) - p).squaredNorm();
+}
+
+}  // namespace
+
+void BodyFilter::Config::validate() const {
+  requireInRange("self_filter_padding_m", padding_m, 0.0, 1.0);
+  requireInRange("self_filter_grazing_m", grazing_m, 0.0, 1.0);
+  requireInRange("self_filter_shadow_depth_m", shadow_depth_m, 0.0, 100.0);
+}
+
+BodyFilter::BodyFilter(const Config& config) : config_(config) { config_.validate(); }
+
+void BodyFilter::apply(const std::vector<BodySample>& samples, AssembledScan& scan) const {
+  if (samples.empty()) return;
+  std::size_t nearest = 0;
+  for (Beam& beam : scan.beams) {
+    const auto gap = [&](std::size_t k) { return std::chrono::abs(samples[k].stamp - beam.stamp); };
+    while (nearest + 1 < samples.size() && gap(nearest + 1) <= gap(nearest)) ++nearest;
+    if (beam.kind == BeamKind::kReturn) beam.kind = classify(beam, samples[nearest].body);
+  }
+}
+
+BeamKind BodyFilter::classify(const Beam& beam, const Body& body) const {
+  const Vector3 sight = beam.p_fixed - beam.viewpoint;
+  const double range = sight.norm();
+  const Ray ray{beam.viewpoint, sight / range};
+  const double reach = std::max(config_.padding_m, 2.0 * config_.grazing_m);
+  BeamKind kind = BeamKind::kReturn;
+  for (std::size_t i = 0; i < body.shapes.size(); ++i) {
+    const Shape& shape = body.shapes[i];
+    const Pose& pose = body.poses[i];
+    const double far = boundingRadius(shape) + reach;
+    if (squaredDistance(ray, range, pose.translation()) > far * far) continue;
+    const Pose T_shape_fixed = pose.inverse();
+    if (distance(shape, T_shape_fixed * beam.p_fixed) <= config_.padding_m) return BeamKind::kSelf;
+    if (distance(shape, T_shape_fixed * beam.viewpoint) == 0.0) continue;
+    const auto span =
+        intersect(expanded(shape, {1.0, config_.grazing_m}), transformed(ray, T_shape_fixed));
+    if (span && range >= span->enter && range <= span->leave + config_.shadow_depth_m) {
+      kind = BeamKind::kShadow;
+    }
+  }
+  return kind;
+}
+
+}  // namespace tccm

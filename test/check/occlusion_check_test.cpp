@@ -1,0 +1,263 @@
+#include "tccm_monitor/check/occlusion_check.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "support/cuboid_scene.h"
+#include "tccm_monitor/config_error.h"
+#include "tccm_monitor/geometry/ray.h"
+
+namespace tccm {
+namespace {
+
+using test::placedAt;
+using test::Random;
+
+/// 4 x 4 m around the sensor at the origin, from 2 m below it to 2 m above.
+CuboidMap mapAround() {
+  Grid::Config grid;
+  grid.origin_x_m = grid.origin_y_m = -2.0;
+  grid.size_x_m = grid.size_y_m = 4.0;
+  grid.height_min_m = -2.0;
+  return test::emptyMap(grid);
+}
+
+/// Half a metre ahead, from one y to another and one height to another.
+CuboidMap wall(double right, double left, double bottom, double top) {
+  CuboidMap map = mapAround();
+  test::addBlock(map, {Vector3(0.49, right, bottom), Vector3(0.53, left, top)});
+  return map;
+}
+
+/// What is hidden of a ball of 150 mm at that place.
+double hiddenOfBall(const CuboidMap& map, const Pose& place,
+                    const OcclusionCheck::Config& config = {}) {
+  OcclusionCheck check(config, {0});
+  return 1.0 - check.find(map, {{Sphere{0.15}}, {place}}).links[0].visible_fraction;
+}
+
+TEST(OcclusionCheckTest, WithoutCuboidsEverythingIsVisible) {
+  EXPECT_EQ(hiddenOfBall(mapAround(), placedAt(1, 0, 0)), 0.0);
+}
+
+TEST(OcclusionCheckTest, ABallBehindAWallIsHidden) {
+  EXPECT_EQ(hiddenOfBall(wall(-0.5, 0.5, -0.5, 0.5), placedAt(1, 0, 0)), 1.0);
+}
+
+TEST(OcclusionCheckTest, ABallInFrontOfAWallIsVisible) {
+  EXPECT_EQ(hiddenOfBall(wall(-0.5, 0.5, -0.5, 0.5), placedAt(0.3, 0, 0)), 0.0);
+}
+
+TEST(OcclusionCheckTest, ABallBehindTheSensorIsVisibleWhateverStandsAhead) {
+  EXPECT_EQ(hiddenOfBall(wall(-1.0, 1.0, -1.0, 1.0), placedAt(-1, 0, 0)), 0.0);
+}
+
+TEST(OcclusionCheckTest, AWallThatEndsAtTheMiddleHidesAboutHalf) {
+  OcclusionCheck::Config fine;
+  fine.resolution_rad = 0.005;
+  const Pose ahead = placedAt(1, 0, 0);
+  EXPECT_NEAR(hiddenOfBall(wall(0.0, 0.5, -0.5, 0.5), ahead, fine), 0.5, 0.06);
+  EXPECT_NEAR(hiddenOfBall(wall(-0.5, 0.0, -0.5, 0.5), ahead, fine), 0.5, 0.06);
+  EXPECT_NEAR(hiddenOfBall(wall(-0.5, 0.5, -0.5, 0.0), ahead, fine), 0.5, 0.06);
+  EXPECT_NEAR(hiddenOfBall(wall(-0.5, 0.5, 0.0, 0.5), ahead, fine), 0.5, 0.06);
+}
+
+TEST(OcclusionCheckTest, AWallNearerThanTheBallByLessThanTheMarginHidesNothing) {
+  OcclusionCheck::Config config;
+  config.margin_m = 0.3;
+  const CuboidMap map = wall(-0.5, 0.5, -0.5, 0.5);
+  EXPECT_EQ(hiddenOfBall(map, placedAt(0.8, 0, 0), config), 0.0) << "its rim is 0.79 m away";
+  config.margin_m = 0.1;
+  EXPECT_EQ(hiddenOfBall(map, placedAt(0.8, 0, 0), config), 1.0);
+}
+
+TEST(OcclusionCheckTest, AWallBelowOrBesideHidesNothing) {
+  EXPECT_EQ(hiddenOfBall(wall(-0.5, 0.5, -0.9, -0.2), placedAt(1, 0, 0)), 0.0);
+  EXPECT_EQ(hiddenOfBall(wall(0.2, 0.9, -0.5, 0.5), placedAt(1, 0, 0)), 0.0);
+}
+
+TEST(OcclusionCheckTest, AWallAcrossTheSeamHidesWhatLiesBehindIt) {
+  CuboidMap map = mapAround();
+  test::addBlock(map, {Vector3(-0.53, -0.4, -0.4), Vector3(-0.49, 0.4, 0.4)});
+  EXPECT_EQ(hiddenOfBall(map, placedAt(-1, 0, 0)), 1.0);
+  EXPECT_EQ(hiddenOfBall(map, placedAt(1, 0, 0)), 0.0);
+}
+
+TEST(OcclusionCheckTest, ATableStraightBelowHidesWhatLiesUnderIt) {
+  CuboidMap map = mapAround();
+  test::addBlock(map, {Vector3(-0.5, -0.5, -0.52), Vector3(0.5, 0.5, -0.5)});
+  EXPECT_EQ(hiddenOfBall(map, placedAt(0.0, 0.0, -1.0)), 1.0);
+  EXPECT_EQ(hiddenOfBall(map, placedAt(0.05, -0.03, -1.0)), 1.0);
+  EXPECT_EQ(hiddenOfBall(map, placedAt(0.0, 0.0, 1.0)), 0.0);
+}
+
+TEST(OcclusionCheckTest, APrimitiveAroundTheViewpointHasNoSilhouetteAndIsVisible) {
+  OcclusionCheck check({}, {3});
+  const auto& result = check.find(wall(-0.5, 0.5, -0.5, 0.5), {{Sphere{0.1}}, {placedAt(0, 0, 0)}});
+  EXPECT_EQ(result.links[0].silhouette, 0.0);
+  EXPECT_EQ(result.links[0].visible_fraction, 1.0);
+  EXPECT_FALSE(check.isOccluded(result.links[0]));
+}
+
+TEST(OcclusionCheckTest, ShapesOfALinkAreJudgedTogetherAndLinksApart) {
+  OcclusionCheck check({}, {8, 5, 8});
+  const Body body{{Sphere{0.1}, Sphere{0.1}, Sphere{0.1}},
+                  {placedAt(1, 0, 0), placedAt(-1, 0, 0), placedAt(-1, -1, 0)}};
+  const auto& result = check.find(wall(-0.5, 0.5, -0.5, 0.5), body);
+  ASSERT_EQ(result.links.size(), 2U);
+  EXPECT_EQ(result.links[0].link, 8U);
+  EXPECT_EQ(result.links[1].link, 5U);
+  EXPECT_NEAR(result.links[0].visible_fraction, 1.0 / 3.0, 0.07) << "1 m and 1.41 m away";
+  EXPECT_EQ(result.links[1].visible_fraction, 1.0);
+  EXPECT_EQ(result.worst()->link, 8U);
+}
+
+TEST(OcclusionCheckTest, ALinkHiddenByTheRobotsOwnBodyIsNotCountedAsHiddenByCuboids) {
+  OcclusionCheck check({}, {0, 1});
+  const Body body{{Sphere{0.1}, Sphere{0.1}}, {placedAt(0.3, 0, 0), placedAt(1, 0, 0)}};
+  const auto& result = check.find(wall(-0.5, 0.5, -0.5, 0.5), body);
+  EXPECT_EQ(result.links[0].visible_fraction, 1.0);
+  EXPECT_EQ(result.links[1].silhouette, 0.0);
+  EXPECT_EQ(result.links[1].visible_fraction, 1.0);
+}
+
+TEST(OcclusionCheckTest, TheCuboidsThatHideAreListed) {
+  CuboidMap map = wall(-0.5, 0.5, -0.5, 0.5);
+  const std::size_t front = map.cuboids.size();
+  test::addBlock(map, {Vector3(1.5, -0.5, -0.5), Vector3(1.6, 0.5, 0.5)});
+  OcclusionCheck check({}, {0});
+  const auto& result = check.find(map, {{Sphere{0.15}}, {placedAt(1, 0, 0)}});
+  EXPECT_FALSE(result.cuboids.empty());
+  EXPECT_LT(result.cuboids.size(), front) << "the wall is wider than the ball";
+  for (const std::uint32_t k : result.cuboids) {
+    EXPECT_LT(map.box(map.cuboids[k]).max().x(), 0.6);
+  }
+}
+
+TEST(OcclusionCheckTest, ALinkIsOccludedFromTheHiddenFractionOnUnlessItShowsTooLittle) {
+  OcclusionCheck::Config config;
+  config.hidden_fraction = 0.25;
+  config.silhouette_min_pixels = 4.0;
+  const OcclusionCheck check(config, {0});
+  EXPECT_TRUE(check.isOccluded({0, 10.0, 0.75}));
+  EXPECT_TRUE(check.isOccluded({0, 4.0, 0.0}));
+  EXPECT_FALSE(check.isOccluded({0, 10.0, 0.76}));
+  EXPECT_FALSE(check.isOccluded({0, 3.9, 0.0}));
+}
+
+TEST(OcclusionCheckTest, WithoutLinksThereIsNoWorst) {
+  OcclusionCheck check({}, {});
+  EXPECT_EQ(check.find(mapAround(), {}).worst(), nullptr);
+}
+
+TEST(OcclusionCheckTest, ValuesOutOfRangeAreRefused) {
+  const auto refused = [](auto member, double value) {
+    OcclusionCheck::Config config;
+    config.*member = value;
+    EXPECT_THROW(OcclusionCheck(config, {}), ConfigError) << value;
+  };
+  refused(&OcclusionCheck::Config::resolution_rad, 0.0);
+  refused(&OcclusionCheck::Config::margin_m, -0.1);
+  refused(&OcclusionCheck::Config::hidden_fraction, 0.0);
+  refused(&OcclusionCheck::Config::hidden_fraction, 1.01);
+  refused(&OcclusionCheck::Config::silhouette_min_pixels, NAN);
+}
+
+/// The first hit of a ray and what it belongs to.
+struct Hit {
+  double range = std::numeric_limits<double>::infinity();
+  std::size_t shape = 0;
+};
+
+Hit firstHit(const Body& body, const Ray& ray) {
+  Hit hit;
+  for (std::size_t i = 0; i < body.shapes.size(); ++i) {
+    const auto span = intersect(body.shapes[i], transformed(ray, body.poses[i].inverse()));
+    if (span && span->enter < hit.range) hit = {span->enter, i};
+  }
+  return hit;
+}
+
+Body boxesOf(const CuboidMap& map, double grown) {
+  Body boxes;
+  for (const Cuboid& cuboid : map.cuboids) {
+    const UprightBox box = map.box(cuboid);
+    boxes.shapes.emplace_back(Box{(0.5 * box.sizes()).array() + grown});
+    boxes.poses.push_back(placedAt(box.center().x(), box.center().y(), box.center().z()));
+  }
+  return boxes;
+}
+
+/// What rays through the body's silhouettes say is hidden of each shape, with the cuboids grown
+/// [m].
+std::vector<double> hiddenByRays(const CuboidMap& map, const Body& body, double margin,
+                                 double grown) {
+  constexpr int kRows = 300;
+  const Body boxes = boxesOf(map, grown);
+  std::vector<double> all(body.shapes.size(), 0.0), hidden(body.shapes.size(), 0.0);
+  for (int row = 0; row < kRows; ++row) {
+    const double elevation = (row + 0.5) * M_PI / kRows - 0.5 * M_PI;
+    const double weight = std::cos(elevation);
+    for (int column = 0; column < 2 * kRows; ++column) {
+      const double azimuth = (column + 0.5) * M_PI / kRows;
+      const Ray ray{map.viewpoint,
+                    {weight * std::cos(azimuth), weight * std::sin(azimuth), std::sin(elevation)}};
+      const Hit body_hit = firstHit(body, ray);
+      if (std::isinf(body_hit.range)) continue;
+      all[body_hit.shape] += weight;
+      if (firstHit(boxes, ray).range + margin < body_hit.range) hidden[body_hit.shape] += weight;
+    }
+  }
+  for (std::size_t i = 0; i < all.size(); ++i) hidden[i] = all[i] > 0.0 ? hidden[i] / all[i] : 0.0;
+  return hidden;
+}
+
+/// The check may say hidden where a cuboid comes within a pixel, and never much less than rays do.
+TEST(OcclusionCheckTest, LiesBetweenExactRaysAndRaysAtCuboidsGrownByAPixelInRandomScenes) {
+  constexpr double kTolerance = 0.05;  // of the silhouette: pixels and rays sample it differently
+  constexpr double kFarthest = 1.2;    // [m]
+  Random random(4);
+  const OcclusionCheck::Config config;
+  Grid::Config grid;
+  grid.origin_x_m = grid.origin_y_m = -1.0;
+  grid.size_x_m = grid.size_y_m = 2.0;
+  grid.cell_size_m = 0.04;
+  int partly_hidden = 0;
+  for (int scene = 0; scene < 25; ++scene) {
+    CuboidMap map = test::emptyMap(grid);
+    map.viewpoint = Vector3(random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2), 1.0);
+    for (int k = 0; k < 25; ++k) {
+      const Vector3 place = random.point(0.8);
+      if ((place - map.viewpoint).head<2>().norm() < 0.15) continue;
+      const double bottom = random.uniform(0.3, 1.3);
+      test::addBlock(
+          map, {Vector3(place.x(), place.y(), bottom),
+                Vector3(place.x() + 0.09, place.y() + 0.09, bottom + random.uniform(0.05, 0.3))});
+    }
+    Body body;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Vector3 p = map.viewpoint + random.uniform(0.7, kFarthest - 0.3) * random.direction();
+      body.shapes.push_back(expanded(random.shape(i), {1.0, 0.08}));
+      body.poses.push_back(placedAt(p.x(), p.y(), p.z()));
+      body.poses.back().linear() = random.rotation();
+    }
+    OcclusionCheck check(config, {0, 1, 2, 3});
+    const auto& result = check.find(map, body);
+    const auto exact = hiddenByRays(map, body, config.margin_m, 0.0);
+    const auto most =
+        hiddenByRays(map, body, config.margin_m, 1.5 * config.resolution_rad * kFarthest);
+    for (std::size_t i = 0; i < 4; ++i) {
+      if (result.links[i].silhouette < 20.0) continue;
+      const double hidden = 1.0 - result.links[i].visible_fraction;
+      EXPECT_GE(hidden, exact[i] - kTolerance) << scene << ": " << name(body.shapes[i]);
+      EXPECT_LE(hidden, most[i] + kTolerance) << scene << ": " << name(body.shapes[i]);
+      partly_hidden += exact[i] > 0.1 && exact[i] < 0.9;
+    }
+  }
+  EXPECT_GT(partly_hidden, 10);
+}
+
+}  // namespace
+}  // namespace tccm

@@ -1,0 +1,232 @@
+#include "tccm_monitor/check/z_buffer.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/cuboid_scene.h"
+#include "tccm_monitor/geometry/ray.h"
+
+namespace tccm {
+namespace {
+
+using test::placedAt;
+using test::Random;
+
+constexpr double kResolution = 0.035;
+const Vector3 kOrigin = Vector3::Zero();
+
+Vector3 directionOf(const ZBuffer& buffer, int row, int column) {
+  const double elevation = (row + 0.5) * M_PI / buffer.rows() - 0.5 * M_PI;
+  const double azimuth = (column + 0.5) * 2.0 * M_PI / buffer.columns() - M_PI;
+  return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+          std::sin(elevation)};
+}
+
+/// [sr]
+double solidAngle(const ZBuffer& buffer) {
+  double pixels = 0.0;
+  for (const std::uint32_t at : buffer.drawn()) pixels += buffer.weightAt(at);
+  return pixels * std::pow(M_PI / buffer.rows(), 2);
+}
+
+/// Of a ball as seen from outside [sr].
+double solidAngleOfBall(double radius, double range) {
+  return 2.0 * M_PI * (1.0 - std::sqrt(1.0 - std::pow(radius / range, 2)));
+}
+
+TEST(ZBufferTest, PixelsAreNoLargerThanAskedAndFillTheSphere) {
+  for (const double resolution : {0.002, 0.017, 0.035, 0.2}) {
+    const ZBuffer buffer(resolution);
+    EXPECT_LE(M_PI / buffer.rows(), resolution * (1.0 + 1e-12));
+    EXPECT_EQ(buffer.columns(), 2 * buffer.rows());
+  }
+}
+
+TEST(ZBufferTest, ABallCoversItsSolidAngleWhereverItStands) {
+  ZBuffer buffer(0.01);
+  Random random(1);
+  std::vector<Vector3> directions{{1, 0, 0}, {-1, 0, 0},      {0, 0, -1},
+                                  {0, 0, 1}, {-1, 1e-9, 0.3}, {0.02, 0.01, -1}};
+  for (int i = 0; i < 20; ++i) directions.push_back(random.direction());
+  for (const Vector3& direction : directions) {
+    const Vector3 centre = 2.0 * direction.normalized();
+    buffer.begin(kOrigin);
+    buffer.draw(Sphere{0.4}, placedAt(centre.x(), centre.y(), centre.z()), 7);
+    EXPECT_NEAR(solidAngle(buffer) / solidAngleOfBall(0.4, 2.0), 1.0, 0.03)
+        << direction.transpose();
+  }
+}
+
+/// Every pixel has what its central ray meets first among all shapes: no window is too tight.
+TEST(ZBufferTest, EveryPixelShowsWhatItsRayMeetsFirst) {
+  Random random(2);
+  ZBuffer buffer(kResolution);
+  std::size_t shown = 0;
+  for (int scene = 0; scene < 60; ++scene) {
+    const Vector3 viewpoint = random.point(0.5);
+    Body body;
+    buffer.begin(viewpoint);
+    for (std::uint32_t i = 0; i < 6; ++i) {
+      body.shapes.push_back(random.shape(i % test::kShapeKinds));
+      body.poses.push_back(random.pose(0.8));
+      if (distance(body.shapes[i], body.poses[i].inverse() * viewpoint) == 0.0) {
+        body.poses[i].translation() += Vector3(2.0, 0.0, 0.0);
+      }
+      buffer.draw(body.shapes[i], body.poses[i], i);
+    }
+    for (int row = 0; row < buffer.rows(); ++row) {
+      for (int column = 0; column < buffer.columns(); ++column) {
+        const Ray ray{viewpoint, directionOf(buffer, row, column)};
+        double nearest = std::numeric_limits<double>::infinity();
+        for (std::size_t i = 0; i < body.shapes.size(); ++i) {
+          const auto span = intersect(body.shapes[i], transformed(ray, body.poses[i].inverse()));
+          if (span) nearest = std::min(nearest, span->enter);
+        }
+        const auto& pixel = buffer.pixel(row, column);
+        if (std::isinf(nearest)) {
+          EXPECT_TRUE(std::isinf(pixel.depth)) << scene << ": " << row << ", " << column;
+        } else {
+          EXPECT_NEAR(pixel.depth, nearest, 1e-5) << scene << ": " << row << ", " << column;
+          ++shown;
+        }
+      }
+    }
+  }
+  EXPECT_GT(shown, 10000U);
+}
+
+TEST(ZBufferTest, TheNearerOfTwoIsShownInWhicheverOrderTheyAreDrawn) {
+  for (const bool near_first : {true, false}) {
+    ZBuffer buffer(kResolution);
+    buffer.begin(kOrigin);
+    buffer.draw(Sphere{0.2}, placedAt(near_first ? 1.0 : 2.0, 0, 0), near_first ? 1 : 2);
+    buffer.draw(Sphere{0.2}, placedAt(near_first ? 2.0 : 1.0, 0, 0), near_first ? 2 : 1);
+    for (const std::uint32_t at : buffer.drawn()) EXPECT_EQ(buffer.pixelAt(at).shape, 1U);
+  }
+}
+
+TEST(ZBufferTest, AShapeAroundTheViewpointIsLeftOut) {
+  ZBuffer buffer(kResolution);
+  buffer.begin(Vector3(0.1, 0.0, 0.0));
+  buffer.draw(Sphere{0.2}, Pose::Identity(), 0);
+  buffer.draw(Box{{0.1, 0.1, 0.1}}, Pose::Identity(), 0);
+  EXPECT_TRUE(buffer.drawn().empty()) << "its surface belongs to the inside";
+  buffer.draw(Box{{0.09, 0.1, 0.1}}, Pose::Identity(), 0);
+  EXPECT_FALSE(buffer.drawn().empty());
+}
+
+TEST(ZBufferTest, BeginEmptiesThePicture) {
+  ZBuffer buffer(kResolution);
+  buffer.begin(kOrigin);
+  buffer.draw(Sphere{0.2}, placedAt(1, 0, 0), 0);
+  buffer.begin(kOrigin);
+  EXPECT_TRUE(buffer.drawn().empty());
+  for (int row = 0; row < buffer.rows(); ++row) {
+    for (int column = 0; column < buffer.columns(); ++column) {
+      EXPECT_TRUE(std::isinf(buffer.pixel(row, column).depth));
+    }
+  }
+}
+
+/// A map 4 x 4 m around the origin, from 2 m below to 2 m above.
+CuboidMap mapAround() {
+  Grid::Config grid;
+  grid.origin_x_m = grid.origin_y_m = -2.0;
+  grid.size_x_m = grid.size_y_m = 4.0;
+  grid.height_min_m = -2.0;
+  grid.cell_size_m = 0.05;
+  return test::emptyMap(grid);
+}
+
+CuboidMap mapWith(const Vector3& place, double height) {
+  CuboidMap map = mapAround();
+  test::addCuboid(map, *map.grid.cellOf(place), place.z() - 0.5 * height, place.z() + 0.5 * height);
+  return map;
+}
+
+TEST(ZBufferTest, ACuboidBehindOrBesideAllThatIsDrawnHasNoSilhouette) {
+  ZBuffer buffer(kResolution);
+  buffer.begin(kOrigin);
+  EXPECT_FALSE(buffer.silhouette(mapWith({0.5, 0, 0}, 0.1), 0)) << "nothing is drawn";
+  buffer.draw(Sphere{0.2}, placedAt(1, 0, 0), 0);
+  EXPECT_TRUE(buffer.silhouette(mapWith({0.5, 0, 0}, 0.1), 0));
+  EXPECT_FALSE(buffer.silhouette(mapWith({1.6, 0, 0}, 0.1), 0)) << "behind";
+  EXPECT_FALSE(buffer.silhouette(mapWith({-0.5, 0, 0}, 0.1), 0)) << "the other way";
+  EXPECT_FALSE(buffer.silhouette(mapWith({0.5, 0.5, 0}, 0.1), 0)) << "to the left";
+  EXPECT_FALSE(buffer.silhouette(mapWith({0.5, 0, 0.6}, 0.1), 0)) << "above";
+  EXPECT_FALSE(buffer.silhouette(mapWith({0.5, 0, -0.6}, 0.1), 0)) << "below";
+}
+
+/// Wherever a pixel's ray meets the cuboid in front of what is drawn, the pixel is covered.
+TEST(ZBufferTest, CoversEveryPixelWhoseRayMeetsTheCuboidInFront) {
+  constexpr double kMargin = 0.05;
+  Random random(3);
+  ZBuffer buffer(kResolution);
+  CuboidMap map = mapAround();
+  std::size_t covered = 0;
+  for (int scene = 0; scene < 400; ++scene) {
+    const Vector3 viewpoint = random.point(0.3);
+    buffer.begin(viewpoint);
+    for (std::uint32_t i = 0; i < 3; ++i) {
+      const Vector3 centre = viewpoint + random.uniform(0.6, 2.5) * random.direction();
+      buffer.draw(Sphere{0.4}, placedAt(centre.x(), centre.y(), centre.z()), i);
+    }
+    map.cuboids.clear();
+    const double bottom = random.uniform(-1.0, 0.8);
+    test::addCuboid(map, *map.grid.cellOf(random.point(1.0)), bottom,
+                    bottom + random.uniform(0.02, 1.0));
+    const UprightBox box = map.box(map.cuboids[0]);
+    if (box.exteriorDistance(viewpoint) < 1e-3) continue;
+    const auto silhouette = buffer.silhouette(map, 0);
+    if (silhouette) buffer.cover(*silhouette, kMargin);
+    Pose T_fixed_box = Pose::Identity();
+    T_fixed_box.translation() = box.center();
+    for (const std::uint32_t at : buffer.drawn()) {
+      const int row = static_cast<int>(at) / buffer.columns();
+      const int column = static_cast<int>(at) % buffer.columns();
+      const Ray ray{viewpoint, directionOf(buffer, row, column)};
+      const auto span = intersect(Box{0.5 * box.sizes()}, transformed(ray, T_fixed_box.inverse()));
+      const auto& pixel = buffer.pixelAt(at);
+      if (!span || span->enter + kMargin + 1e-5 > pixel.depth) continue;
+      EXPECT_TRUE(pixel.covered) << scene << ": " << row << ", " << column;
+      ++covered;
+    }
+  }
+  EXPECT_GT(covered, 1000U);
+}
+
+TEST(ZBufferTest, ACuboidAtTheSeamCoversBothEndsOfThePicture) {
+  ZBuffer buffer(kResolution);
+  buffer.begin(kOrigin);
+  buffer.draw(Sphere{0.5}, placedAt(-1.5, 0, 0), 0);
+  const CuboidMap map = mapWith({-0.5, 0.0, 0.0}, 0.5);
+  CuboidMap both = map;
+  test::addCuboid(both, *map.grid.cellOf({-0.5, -0.01, 0.0}), -0.25, 0.25);
+  for (std::uint32_t k = 0; k < both.cuboids.size(); ++k) {
+    const auto silhouette = buffer.silhouette(both, k);
+    ASSERT_TRUE(silhouette);
+    EXPECT_TRUE(buffer.cover(*silhouette, 0.05));
+  }
+  const int middle = buffer.rows() / 2;
+  EXPECT_TRUE(buffer.pixel(middle, 0).covered);
+  EXPECT_TRUE(buffer.pixel(middle, buffer.columns() - 1).covered);
+  EXPECT_FALSE(buffer.pixel(middle, buffer.columns() / 2).covered);
+}
+
+TEST(ZBufferTest, ACuboidRightBelowCoversWhatLiesUnderIt) {
+  ZBuffer buffer(kResolution);
+  const Vector3 viewpoint(0.025, 0.025, 0.0);
+  buffer.begin(viewpoint);
+  buffer.draw(Sphere{0.2}, placedAt(0.025, 0.025, -1.5), 0);
+  const CuboidMap map = mapWith({0.025, 0.025, -0.5}, 0.1);
+  const auto silhouette = buffer.silhouette(map, 0);
+  ASSERT_TRUE(silhouette);
+  EXPECT_TRUE(buffer.cover(*silhouette, 0.05));
+  for (int column = 0; column < buffer.columns(); ++column) {
+    EXPECT_TRUE(buffer.pixel(0, column).covered) << column;
+  }
+}
+
+}  // namespace
+}  // namespace tccm

@@ -1,0 +1,260 @@
+#include "tccm_monitor/map/mapper.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tccm_monitor/config_error.h"
+
+namespace tccm {
+namespace {
+
+constexpr double kScanPeriod = 0.025;  // [s]
+constexpr double kTiltPeriod = 2.0;    // [s]
+
+Time at(double seconds) { return Time(fromSeconds(seconds)); }
+
+/// Up and down between -0.5 and 0.5 rad, evenly.
+double tiltAt(double stamp) {
+  const double phase = stamp / kTiltPeriod - std::floor(stamp / kTiltPeriod);
+  return phase < 0.5 ? 2.0 * phase - 0.5 : 1.5 - 2.0 * phase;
+}
+
+ScanReturns scanAt(double stamp, std::vector<Vector3> points = {}) {
+  ScanReturns scan;
+  scan.stamp = at(stamp);
+  scan.tilt = tiltAt(stamp);
+  scan.points = std::move(points);
+  return scan;
+}
+
+Mapper::Config smallMap() {
+  Mapper::Config config;
+  config.map.grid.origin_y_m = 0.0;
+  config.map.grid.size_x_m = config.map.grid.size_y_m = 0.2;
+  config.map.returns_max = 10000;
+  config.map.intervals_max = 1000;
+  return config;
+}
+
+CuboidMap snapshotOf(const Mapper& mapper) {
+  CuboidMap map;
+  mapper.snapshot(map);
+  return map;
+}
+
+bool isComplete(const Mapper& mapper) { return snapshotOf(mapper).complete; }
+
+/// Adds scans until one makes the map complete; its stamp, or nothing until `last`.
+std::optional<double> completeFrom(Mapper& mapper, double first, double last) {
+  for (int i = 0; first + i * kScanPeriod <= last; ++i) {
+    const double stamp = first + i * kScanPeriod;
+    mapper.add(scanAt(stamp));
+    if (isComplete(mapper)) return stamp;
+  }
+  return std::nullopt;
+}
+
+TEST(MapperTest, BeforeTheFirstScanTheMapIsEmptyAndNotComplete) {
+  const CuboidMap map = snapshotOf(Mapper(smallMap()));
+  EXPECT_FALSE(map.complete);
+  EXPECT_EQ(map.serial, 0U);
+  EXPECT_EQ(map.window_scans, 0U);
+  EXPECT_TRUE(map.cuboids.empty());
+}
+
+TEST(MapperTest, AWindowOfScansHoldsTheLastOnesAndIsCompleteOnceItIsFull) {
+  Mapper::Config config = smallMap();
+  config.window_scans = 4;
+  Mapper mapper(config);
+  for (int i = 1; i <= 10; ++i) {
+    const double height = 0.1 * i;
+    EXPECT_EQ(mapper.add(scanAt(kScanPeriod * i, {Vector3(0.05, 0.05, height)})).dropped, "");
+    const CuboidMap map = snapshotOf(mapper);
+    EXPECT_EQ(map.complete, i >= 4) << i;
+    EXPECT_EQ(map.window_scans, static_cast<unsigned>(std::min(i, 4)));
+    EXPECT_EQ(map.serial, static_cast<unsigned>(i));
+    ASSERT_EQ(map.cuboids.size(), map.window_scans);
+    EXPECT_EQ(map.cuboids.back().top, 100 * i);
+    EXPECT_EQ(map.cuboids.front().top, 100 * std::max(1, i - 3));
+  }
+  EXPECT_EQ(snapshotOf(mapper).window,
+            fromSeconds(kScanPeriod * 10) - fromSeconds(kScanPeriod * 7));
+}
+
+TEST(MapperTest, AWindowOfSecondsDropsWhatIsOlderAndNotWhatIsExactlyAsOld) {
+  Mapper::Config config = smallMap();
+  config.window_s = 0.1;
+  Mapper mapper(config);
+  EXPECT_EQ(mapper.window(), fromSeconds(0.1));
+  for (int i = 0; i <= 4; ++i) {
+    EXPECT_FALSE(isComplete(mapper));
+    mapper.add(scanAt(1.0 + kScanPeriod * i));
+  }
+  EXPECT_TRUE(isComplete(mapper));
+  EXPECT_EQ(snapshotOf(mapper).window_scans, 5U);
+  mapper.add(scanAt(1.0 + kScanPeriod * 5));
+  EXPECT_EQ(snapshotOf(mapper).window_scans, 5U);
+  EXPECT_TRUE(isComplete(mapper));
+}
+
+TEST(MapperTest, AWindowOfTheTiltIsCompleteOnlyAfterAFullMeasuredPeriod) {
+  Mapper mapper(smallMap());
+  EXPECT_FALSE(mapper.window());
+  // Turning points at 0.5 (if the start is at 0.25: up), 1, 2, 3 s: the first full period ends
+  // at 3.
+  const auto complete = completeFrom(mapper, 0.25, 10.0);
+  ASSERT_TRUE(complete);
+  EXPECT_GE(*complete, 3.0);
+  EXPECT_LE(*complete, 3.2);
+  ASSERT_TRUE(mapper.tiltPeriod());
+  EXPECT_NEAR(toSeconds(*mapper.tiltPeriod()), kTiltPeriod, 2.0 * kScanPeriod);
+  EXPECT_NEAR(toSeconds(*mapper.window()), 1.1 * kTiltPeriod, 3.0 * kScanPeriod);
+}
+
+TEST(MapperTest, AWindowOfTheTiltHoldsAsManyScansAsItsLengthNeeds) {
+  Mapper mapper(smallMap());
+  for (int i = 0; i < 600; ++i) mapper.add(scanAt(kScanPeriod * i));
+  const CuboidMap map = snapshotOf(mapper);
+  EXPECT_TRUE(map.complete);
+  EXPECT_LE(map.window, *mapper.window());
+  EXPECT_GT(map.window, *mapper.window() - fromSeconds(1.01 * kScanPeriod));
+}
+
+TEST(MapperTest, ATiltThatStandsStillNeverMakesTheMapComplete) {
+  Mapper mapper(smallMap());
+  for (int i = 0; i < 400; ++i) {
+    ScanReturns scan = scanAt(kScanPeriod * i);
+    scan.tilt = 0.3;
+    mapper.add(scan);
+    EXPECT_FALSE(isComplete(mapper));
+  }
+}
+
+TEST(MapperTest, AfterAGapTheWindowHasToFillAgain) {
+  for (const int scans : {0, 4}) {
+    Mapper::Config config = smallMap();
+    config.window_scans = scans;
+    Mapper mapper(config);
+    const auto first = completeFrom(mapper, 0.0, 10.0);
+    ASSERT_TRUE(first);
+    mapper.add(scanAt(*first + 0.49));
+    EXPECT_TRUE(isComplete(mapper)) << "no longer than allowed";
+    const double after_gap = *first + 0.49 + 0.51;
+    mapper.add(scanAt(after_gap));
+    EXPECT_FALSE(isComplete(mapper));
+    const auto again = completeFrom(mapper, after_gap + kScanPeriod, after_gap + 10.0);
+    ASSERT_TRUE(again);
+    EXPECT_GE(*again - after_gap, scans > 0 ? 3 * kScanPeriod - 1e-9 : kTiltPeriod);
+  }
+}
+
+TEST(MapperTest, ScansThatAreNotNewerAreDroppedAndChangeNothing) {
+  Mapper mapper(smallMap());
+  mapper.add(scanAt(1.0, {Vector3(0.05, 0.05, 0.5)}));
+  for (const double stamp : {1.0, 0.9}) {
+    EXPECT_NE(mapper.add(scanAt(stamp, {Vector3(0.05, 0.05, 0.9)})).dropped, "");
+  }
+  const CuboidMap map = snapshotOf(mapper);
+  EXPECT_EQ(map.serial, 1U);
+  EXPECT_EQ(map.cuboids.size(), 1U);
+  EXPECT_EQ(map.stamp, at(1.0));
+}
+
+TEST(MapperTest, AScanWithoutAViewpointIsDropped) {
+  Mapper mapper(smallMap());
+  ScanReturns scan = scanAt(1.0);
+  scan.viewpoint.z() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NE(mapper.add(scan).dropped, "");
+  EXPECT_EQ(snapshotOf(mapper).serial, 0U);
+}
+
+TEST(MapperTest, EmptyScansCountAsScans) {
+  Mapper::Config config = smallMap();
+  config.window_scans = 2;
+  Mapper mapper(config);
+  mapper.add(scanAt(1.0, {Vector3(0.05, 0.05, 0.5)}));
+  mapper.add(scanAt(1.1));
+  EXPECT_TRUE(isComplete(mapper));
+  EXPECT_EQ(snapshotOf(mapper).cuboids.size(), 1U);
+  mapper.add(scanAt(1.2));
+  EXPECT_EQ(snapshotOf(mapper).cuboids.size(), 0U) << "the first scan has left the window";
+  EXPECT_EQ(snapshotOf(mapper).serial, 3U);
+}
+
+TEST(MapperTest, PointsOutsideTheAreaAreCounted) {
+  Mapper mapper(smallMap());
+  const auto outcome =
+      mapper.add(scanAt(1.0, {Vector3(0.05, 0.05, 0.5), Vector3(9.0, 0.0, 0.5),
+                              Vector3(0.05, 0.05, std::numeric_limits<double>::quiet_NaN())}));
+  EXPECT_EQ(outcome.added.mapped, 1U);
+  EXPECT_EQ(outcome.added.out_of_area, 2U);
+}
+
+TEST(MapperTest, AWindowThatNeedsMoreScansThanThereIsMemoryForIsNeverComplete) {
+  Mapper::Config config = smallMap();
+  config.map.scans_max = 50;  // a period has 80
+  Mapper by_tilt(config);
+  EXPECT_FALSE(completeFrom(by_tilt, 0.0, 20.0));
+  config.window_s = 50 * kScanPeriod;
+  Mapper by_seconds(config);
+  EXPECT_FALSE(completeFrom(by_seconds, 0.0, 20.0));
+  config.window_s = 48 * kScanPeriod;
+  Mapper fits(config);
+  EXPECT_TRUE(completeFrom(fits, 0.0, 20.0));
+}
+
+TEST(MapperTest, ClearForgetsScansAndTiltAndSerialsGoOn) {
+  Mapper mapper(smallMap());
+  ASSERT_TRUE(completeFrom(mapper, 0.0, 10.0));
+  const std::uint32_t serial = snapshotOf(mapper).serial;
+  mapper.clear();
+  EXPECT_FALSE(isComplete(mapper));
+  EXPECT_FALSE(mapper.tiltPeriod());
+  EXPECT_EQ(snapshotOf(mapper).window_scans, 0U);
+  EXPECT_EQ(mapper.add(scanAt(0.5)).dropped, "") << "older than before is fine now";
+  EXPECT_EQ(snapshotOf(mapper).serial, serial + 1);
+  EXPECT_FALSE(isComplete(mapper));
+}
+
+TEST(MapperTest, TheSnapshotHasTheNewestScansStampAndViewpoint) {
+  Mapper mapper(smallMap());
+  ScanReturns scan = scanAt(1.0);
+  scan.viewpoint = Vector3(1.0, 2.0, 3.0);
+  mapper.add(scan);
+  const CuboidMap map = snapshotOf(mapper);
+  EXPECT_EQ(map.stamp, at(1.0));
+  EXPECT_EQ(map.viewpoint, scan.viewpoint);
+  EXPECT_EQ(map.window, Duration::zero());
+}
+
+TEST(MapperTest, AReservedSnapshotIsNotAllocatedAnew) {
+  Mapper mapper(smallMap());
+  CuboidMap map;
+  mapper.reserve(map);
+  const Cuboid* cuboids = map.cuboids.data();
+  const std::uint32_t* cells = map.cell_begin.data();
+  mapper.add(scanAt(1.0, {Vector3(0.05, 0.05, 0.5), Vector3(0.15, 0.05, 0.5)}));
+  mapper.snapshot(map);
+  EXPECT_EQ(map.cuboids.size(), 2U);
+  EXPECT_EQ(map.cuboids.data(), cuboids);
+  EXPECT_EQ(map.cell_begin.data(), cells);
+}
+
+TEST(MapperTest, ValuesOutOfRangeAndTwoWindowsAtOnceAreRefused) {
+  const auto refused = [](auto change) {
+    Mapper::Config config = smallMap();
+    change(config);
+    EXPECT_THROW(Mapper{config}, ConfigError);
+  };
+  refused([](Mapper::Config& c) { c.window_scans = -1; });
+  refused([](Mapper::Config& c) { c.window_scans = static_cast<int>(c.map.scans_max) + 1; });
+  refused([](Mapper::Config& c) { c.window_s = -0.1; });
+  refused([](Mapper::Config& c) { c.window_tilt_periods = 0.75; });
+  refused([](Mapper::Config& c) { c.scan_gap_max_s = 0.0; });
+  refused([](Mapper::Config& c) { c.window_scans = 40, c.window_s = 1.0; });
+}
+
+}  // namespace
+}  // namespace tccm

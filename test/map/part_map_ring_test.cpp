@@ -1,0 +1,98 @@
+#include "tccm_monitor/map/part_map_ring.h"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <utility>
+
+#include "support/random.h"
+
+namespace tccm {
+namespace {
+
+Time atSeconds(double seconds) { return Time(fromSeconds(seconds)); }
+
+std::vector<CellIndex> droppedCells(PartMapRing& ring) {
+  std::vector<CellIndex> cells;
+  ring.dropOldest([&](const MappedReturn& entry) { cells.push_back(entry.cell); });
+  return cells;
+}
+
+TEST(PartMapRingTest, PartMapsLeaveInTheOrderTheyCame) {
+  PartMapRing ring(3, 10);
+  ring.begin(1, atSeconds(1.0));
+  ring.add({11, 5});
+  ring.add({12, 5});
+  ring.begin(2, atSeconds(2.0));
+  ring.add({21, 5});
+  EXPECT_EQ(ring.scans(), 2U);
+  EXPECT_EQ(ring.oldestStamp(), atSeconds(1.0));
+  EXPECT_EQ(ring.oldestSerial(), 1U);
+  EXPECT_EQ(droppedCells(ring), (std::vector<CellIndex>{11, 12}));
+  EXPECT_EQ(ring.oldestStamp(), atSeconds(2.0));
+  EXPECT_EQ(droppedCells(ring), (std::vector<CellIndex>{21}));
+  EXPECT_EQ(ring.scans(), 0U);
+}
+
+TEST(PartMapRingTest, AScanWithoutReturnsIsAPartMapToo) {
+  PartMapRing ring(2, 10);
+  ring.begin(1, atSeconds(1.0));
+  ring.begin(2, atSeconds(2.0));
+  EXPECT_TRUE(ring.full());
+  EXPECT_TRUE(droppedCells(ring).empty());
+  EXPECT_FALSE(ring.full());
+  EXPECT_EQ(ring.oldestSerial(), 2U);
+}
+
+TEST(PartMapRingTest, RoomIsUsedUpAndComesBackWhenTheOldestLeaves) {
+  PartMapRing ring(4, 3);
+  ring.begin(1, atSeconds(1.0));
+  ring.add({1, 0});
+  ring.add({2, 0});
+  ring.begin(2, atSeconds(2.0));
+  ring.add({3, 0});
+  EXPECT_FALSE(ring.hasRoom());
+  droppedCells(ring);
+  EXPECT_TRUE(ring.hasRoom());
+  ring.add({4, 0});
+  ring.add({5, 0});
+  EXPECT_FALSE(ring.hasRoom());
+  EXPECT_EQ(droppedCells(ring), (std::vector<CellIndex>{3, 4, 5}));
+}
+
+TEST(PartMapRingTest, ClearingEmptiesIt) {
+  PartMapRing ring(2, 2);
+  ring.begin(1, atSeconds(1.0));
+  ring.add({1, 0});
+  ring.clear();
+  EXPECT_EQ(ring.scans(), 0U);
+  EXPECT_TRUE(ring.hasRoom());
+  ring.begin(2, atSeconds(2.0));
+  ring.add({7, 0});
+  EXPECT_EQ(droppedCells(ring), std::vector<CellIndex>{7});
+}
+
+TEST(PartMapRingTest, ARandomStreamComesOutAsItWentIn) {
+  test::Random random(32);
+  PartMapRing ring(7, 50);
+  std::deque<std::pair<std::uint32_t, std::vector<CellIndex>>> expected;
+  std::uint32_t next_cell = 0;
+  for (std::uint32_t serial = 1; serial < 2000; ++serial) {
+    while (ring.full() || (ring.scans() > 0 && random.chance(0.4))) {
+      ASSERT_EQ(ring.oldestSerial(), expected.front().first);
+      ASSERT_EQ(ring.oldestStamp(), atSeconds(expected.front().first));
+      ASSERT_EQ(droppedCells(ring), expected.front().second);
+      expected.pop_front();
+    }
+    ring.begin(serial, atSeconds(serial));
+    expected.emplace_back(serial, std::vector<CellIndex>());
+    for (int i = random.integer(0, 20); i > 0 && ring.hasRoom(); --i) {
+      ring.add({next_cell, 0});
+      expected.back().second.push_back(next_cell++);
+    }
+    ASSERT_EQ(ring.scans(), expected.size());
+  }
+}
+
+}  // namespace
+}  // namespace tccm

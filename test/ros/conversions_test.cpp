@@ -1,0 +1,441 @@
+#include "tccm_monitor/ros/conversions.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "support/cuboid_scene.h"
+#include "support/near.h"
+#include "support/random.h"
+#include "support/tiny_robot.h"
+#include "tccm_monitor/scan/projection.h"
+
+namespace tccm {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+Time at(double seconds) { return Time(fromSeconds(seconds)); }
+
+TEST(TimeConversionTest, StampsKeepTheirNanoseconds) {
+  const Time time(Duration(1700000000123456789LL));
+  EXPECT_EQ(toTime(toRos(time)), time);
+  EXPECT_EQ(toRos(time).nsec, 123456789U);
+  EXPECT_EQ(toRos(Duration(-1500000000)).toSec(), -1.5);
+}
+
+sensor_msgs::LaserScan scanMessage() {
+  sensor_msgs::LaserScan message;
+  message.header.stamp = ros::Time(12, 345);
+  message.angle_min = -0.5F;
+  message.angle_increment = 0.25F;
+  message.time_increment = 1e-4F;
+  message.range_min = 0.1F;
+  message.range_max = 4.0F;
+  message.ranges = {1.0F, 2.0F, 3.0F};
+  return message;
+}
+
+TEST(LaserScanConversionTest, AScanKeepsItsNumbers) {
+  const LaserScan scan = fromMessage(scanMessage());
+  EXPECT_EQ(scan.stamp, Time(Duration(12000000345LL)));
+  EXPECT_EQ(scan.angle_min, -0.5);
+  EXPECT_EQ(scan.angle_increment, 0.25);
+  EXPECT_NEAR(toSeconds(scan.time_increment), 1e-4, 1e-9);
+  EXPECT_EQ(scan.ranges, scanMessage().ranges);
+  EXPECT_EQ(defectOf(scan, 100), "");
+}
+
+TEST(LaserScanConversionTest, AnAbsurdTimeIncrementMakesADefectiveScan) {
+  for (const double increment : {kNaN, kInf, -kInf, 1e30, -1e-4}) {
+    sensor_msgs::LaserScan message = scanMessage();
+    message.time_increment = static_cast<float>(increment);
+    EXPECT_NE(defectOf(fromMessage(message), 100), "") << increment;
+  }
+}
+
+TEST(LaserScanConversionTest, WithoutATimeIncrementAllBeamsAreAtTheStamp) {
+  sensor_msgs::LaserScan message = scanMessage();
+  message.time_increment = 0.0F;
+  const LaserScan scan = fromMessage(message);
+  EXPECT_EQ(defectOf(scan, 100), "");
+  EXPECT_EQ(scan.lastBeamTime(), scan.stamp);
+}
+
+/// Beams of every kind; those that are kept lie at x = 1, 2, ...
+AssembledScan assembledScan(std::size_t beams) {
+  AssembledScan scan;
+  scan.stamp = at(12.5);
+  for (std::size_t i = 0; i < beams; ++i) {
+    Beam beam;
+    beam.stamp = scan.stamp;
+    beam.p_fixed = Vector3(static_cast<double>(i + 1), 0.5, -0.25);
+    beam.viewpoint = Vector3(0.0, static_cast<double>(i), 1.5);
+    beam.tilt = 0.5 + static_cast<double>(i);
+    beam.kind = static_cast<BeamKind>(i % kBeamKinds);
+    scan.beams.push_back(beam);
+  }
+  return scan;
+}
+
+TEST(CloudConversionTest, OfAScanTheKeptPointsComeBack) {
+  sensor_msgs::PointCloud2 cloud;
+  toMessage(assembledScan(16), "base_link", cloud);
+  EXPECT_EQ(cloud.header.frame_id, "base_link");
+  EXPECT_EQ(cloud.width * cloud.height, 16U);
+  EXPECT_EQ(cloud.row_step * cloud.height, cloud.data.size());
+  ScanReturns returns;
+  returns.points.emplace_back(9.0, 9.0, 9.0);  // of an earlier use
+  ASSERT_EQ(fromMessage(cloud, returns), "");
+  EXPECT_EQ(returns.stamp, at(12.5));
+  EXPECT_EQ(returns.tilt, 0.5);
+  EXPECT_EQ(returns.viewpoint, Vector3(0.0, 15.0, 1.5));
+  ASSERT_EQ(returns.points.size(), 3U);
+  EXPECT_EQ(returns.points[0], Vector3(1.0, 0.5, -0.25));
+  EXPECT_EQ(returns.points[1], Vector3(8.0, 0.5, -0.25));
+  EXPECT_EQ(returns.points[2], Vector3(15.0, 0.5, -0.25));
+}
+
+TEST(CloudConversionTest, AScanWithoutReturnsIsAScanAllTheSame) {
+  AssembledScan scan = assembledScan(3);
+  for (Beam& beam : scan.beams) beam.kind = BeamKind::kNoReturn;
+  sensor_msgs::PointCloud2 cloud;
+  toMessage(scan, "base_link", cloud);
+  ScanReturns returns;
+  ASSERT_EQ(fromMessage(cloud, returns), "");
+  EXPECT_TRUE(returns.points.empty());
+  EXPECT_EQ(returns.viewpoint, Vector3(0.0, 2.0, 1.5));
+}
+
+TEST(CloudConversionTest, AMessageThatIsUsedAgainHoldsTheNewScanAlone) {
+  sensor_msgs::PointCloud2 cloud;
+  toMessage(assembledScan(100), "base_link", cloud);
+  toMessage(assembledScan(2), "base_link", cloud);
+  ScanReturns returns;
+  ASSERT_EQ(fromMessage(cloud, returns), "");
+  EXPECT_EQ(returns.points.size(), 1U);
+  EXPECT_EQ(cloud.data.size(), 2U * cloud.point_step);
+}
+
+TEST(CloudConversionTest, ACloudThatLacksAFieldIsRefusedNamingIt) {
+  for (const char* const name : {"x", "y", "z", "vp_x", "vp_y", "vp_z", "tilt"}) {
+    sensor_msgs::PointCloud2 cloud;
+    toMessage(assembledScan(3), "base_link", cloud);
+    for (auto& field : cloud.fields) {
+      if (field.name == name) field.name = "other";
+    }
+    ScanReturns returns;
+    EXPECT_NE(fromMessage(cloud, returns).find(std::string("'") + name + "'"), std::string::npos);
+  }
+}
+
+TEST(CloudConversionTest, AFieldOfAnotherTypeIsRefused) {
+  sensor_msgs::PointCloud2 cloud;
+  toMessage(assembledScan(3), "base_link", cloud);
+  cloud.fields[1].datatype = sensor_msgs::PointField::FLOAT64;
+  ScanReturns returns;
+  EXPECT_NE(fromMessage(cloud, returns), "");
+}
+
+TEST(CloudConversionTest, ACloudThatDoesNotHoldWhatItSaysIsRefused) {
+  sensor_msgs::PointCloud2 whole;
+  toMessage(assembledScan(3), "base_link", whole);
+  ScanReturns returns;
+  sensor_msgs::PointCloud2 cloud = whole;
+  cloud.data.pop_back();
+  EXPECT_NE(fromMessage(cloud, returns), "");
+  cloud = whole;
+  cloud.width = 0;
+  EXPECT_NE(fromMessage(cloud, returns), "");
+  cloud = whole;
+  cloud.is_bigendian = true;
+  EXPECT_NE(fromMessage(cloud, returns), "");
+  EXPECT_NE(fromMessage(sensor_msgs::PointCloud2(), returns), "");
+}
+
+TEST(CloudConversionTest, FieldsThatReachBeyondAPointAreRefused) {
+  sensor_msgs::PointCloud2 cloud;
+  toMessage(assembledScan(3), "base_link", cloud);
+  ScanReturns returns;
+  cloud.fields[2].offset = cloud.point_step - 2;
+  EXPECT_NE(fromMessage(cloud, returns), "");
+  toMessage(assembledScan(3), "base_link", cloud);
+  cloud.point_step = 0;
+  EXPECT_NE(fromMessage(cloud, returns), "");
+}
+
+CuboidMap randomScene(test::Random& random) {
+  Grid::Config grid;
+  grid.origin_x_m = random.uniform(-2.0, 2.0);
+  grid.origin_y_m = random.uniform(-2.0, 2.0);
+  grid.size_x_m = grid.size_y_m = 0.6;
+  grid.cell_size_m = random.uniform(0.01, 0.06);
+  CuboidMap map = test::randomMap(random, grid, 0.3);
+  map.stamp = at(random.uniform(1.0, 1e6));
+  map.serial = static_cast<std::uint32_t>(random.integer(1, 100000));
+  map.window_scans = 60;
+  map.window = fromSeconds(1.7);
+  map.viewpoint = random.point(2.0);
+  for (Cuboid& cuboid : map.cuboids) {
+    cuboid.age_scans = static_cast<std::uint32_t>(random.integer(0, 1000));
+    cuboid.dyn = cuboid.age_scans / 60;
+  }
+  return map;
+}
+
+void expectSame(const CuboidMap& a, const CuboidMap& b) {
+  // The size may differ: a message counts whole cells.
+  EXPECT_EQ(a.grid.cellsX(), b.grid.cellsX());
+  EXPECT_EQ(a.grid.cellsY(), b.grid.cellsY());
+  EXPECT_EQ(a.grid.box(0, 0, 1).min(), b.grid.box(0, 0, 1).min());
+  EXPECT_EQ(a.grid.config().cell_size_m, b.grid.config().cell_size_m);
+  EXPECT_EQ(a.grid.config().height_quantum_m, b.grid.config().height_quantum_m);
+  EXPECT_EQ(a.grid.config().height_min_m, b.grid.config().height_min_m);
+  EXPECT_EQ(a.grid.config().height_max_m, b.grid.config().height_max_m);
+  EXPECT_EQ(a.stamp, b.stamp);
+  EXPECT_EQ(a.serial, b.serial);
+  EXPECT_EQ(a.window_scans, b.window_scans);
+  EXPECT_EQ(a.window, b.window);
+  EXPECT_EQ(a.complete, b.complete);
+  EXPECT_EQ(a.overflowed, b.overflowed);
+  EXPECT_EQ(a.thickness, b.thickness);
+  EXPECT_EQ(a.viewpoint, b.viewpoint);
+  EXPECT_EQ(a.cell_begin, b.cell_begin);
+  ASSERT_EQ(a.cuboids.size(), b.cuboids.size());
+  for (std::size_t i = 0; i < a.cuboids.size(); ++i) {
+    const Cuboid &c = a.cuboids[i], &d = b.cuboids[i];
+    ASSERT_EQ(std::tie(c.cell, c.bottom, c.top, c.points, c.age_scans, c.dyn),
+              std::tie(d.cell, d.bottom, d.top, d.points, d.age_scans, d.dyn));
+  }
+}
+
+TEST(MapConversionTest, AMapComesBackAsItWas) {
+  test::Random random(1);
+  CuboidMap back;
+  tccm_monitor::CuboidMap message;
+  for (int i = 0; i < 200; ++i) {
+    CuboidMap map = randomScene(random);
+    map.complete = random.chance(0.5);
+    map.overflowed = random.chance(0.5);
+    toMessage(map, "base_link", message);
+    EXPECT_EQ(message.header.frame_id, "base_link");
+    ASSERT_EQ(fromMessage(message, back), "");
+    expectSame(back, map);
+  }
+}
+
+TEST(MapConversionTest, AMapWithoutCuboidsIsAMap) {
+  tccm_monitor::CuboidMap message;
+  toMessage(test::emptyMap(), "base_link", message);
+  CuboidMap back;
+  ASSERT_EQ(fromMessage(message, back), "");
+  expectSame(back, test::emptyMap());
+}
+
+TEST(MapConversionTest, HeightsInMetresAreWhatTheQuantaMean) {
+  CuboidMap map = test::emptyMap();
+  test::addCuboid(map, 7, 0.7, 0.75);
+  tccm_monitor::CuboidMap message;
+  toMessage(map, "base_link", message);
+  EXPECT_EQ(message.cuboids.at(0).cell, 7U);
+  EXPECT_FLOAT_EQ(message.cuboids.at(0).top, 0.75F);
+  EXPECT_FLOAT_EQ(message.cuboids.at(0).depth, 0.05F);
+  EXPECT_DOUBLE_EQ(message.thickness, 0.02);
+  EXPECT_EQ(message.cuboids.at(0).col, tccm_monitor::Cuboid::CLEAR);
+}
+
+class DefectiveMapTest : public ::testing::Test {
+ protected:
+  DefectiveMapTest() {
+    CuboidMap map = test::emptyMap();
+    test::addCuboid(map, 7, 0.7, 0.75);
+    test::addCuboid(map, 9, 0.7, 0.75);
+    toMessage(map, "base_link", message_);
+  }
+  std::string defect() {
+    CuboidMap map;
+    return fromMessage(message_, map);
+  }
+  tccm_monitor::CuboidMap message_;
+};
+
+TEST_F(DefectiveMapTest, TheWholeMessageIsAMap) { EXPECT_EQ(defect(), ""); }
+
+TEST_F(DefectiveMapTest, ACuboidOutsideTheGridIsRefused) {
+  message_.cuboids[1].cell = message_.cells_x * message_.cells_y;
+  EXPECT_NE(defect(), "");
+}
+
+TEST_F(DefectiveMapTest, CuboidsThatAreNotOrderedByCellAreRefused) {
+  std::swap(message_.cuboids[0], message_.cuboids[1]);
+  EXPECT_NE(defect(), "");
+}
+
+TEST_F(DefectiveMapTest, CuboidsOfACellThatAreNotOrderedOrOverlapAreRefused) {
+  message_.cuboids[1].cell = 7;
+  EXPECT_NE(defect(), "");
+  message_.cuboids[1].top = 0.5F;
+  EXPECT_NE(defect(), "");
+  message_.cuboids[1].top = 0.9F;
+  EXPECT_EQ(defect(), "");
+}
+
+TEST_F(DefectiveMapTest, HeightsThatAreNoHeightsAreRefused) {
+  for (const double height : {kNaN, kInf, -kInf, 1e9}) {
+    message_.cuboids[1].top = static_cast<float>(height);
+    EXPECT_NE(defect(), "") << height;
+  }
+  message_.cuboids[1].top = 0.75F;
+  for (const double depth : {kNaN, kInf, 0.0, -0.1}) {
+    message_.cuboids[1].depth = static_cast<float>(depth);
+    EXPECT_NE(defect(), "") << depth;
+  }
+}
+
+TEST_F(DefectiveMapTest, AGridThatIsNoneIsRefused) {
+  const tccm_monitor::CuboidMap whole = message_;
+  for (const double value : {kNaN, kInf, 0.0, -0.02}) {
+    message_.cell_size = value;
+    EXPECT_NE(defect(), "") << value;
+    message_ = whole;
+    message_.height_quantum = value;
+    EXPECT_NE(defect(), "") << value;
+    message_ = whole;
+  }
+  message_.origin_x = kNaN;
+  EXPECT_NE(defect(), "");
+  message_ = whole;
+  message_.cells_x = 0;
+  EXPECT_NE(defect(), "");
+  message_ = whole;
+  message_.cells_x = message_.cells_y = 4000000000U;
+  EXPECT_NE(defect(), "");
+  message_ = whole;
+  message_.height_max = message_.height_min;
+  EXPECT_NE(defect(), "");
+}
+
+TEST_F(DefectiveMapTest, AThicknessThatIsNoneIsRefused) {
+  for (const double thickness : {kNaN, kInf, 0.0, -0.02, 1e9}) {
+    message_.thickness = thickness;
+    EXPECT_NE(defect(), "") << thickness;
+  }
+}
+
+TEST_F(DefectiveMapTest, AViewpointThatIsNotFiniteIsRefused) {
+  message_.viewpoint.z = kNaN;
+  EXPECT_NE(defect(), "");
+}
+
+class VerdictConversionTest : public ::testing::Test {
+ protected:
+  VerdictConversionTest() : checker_(test::sliderModel(), {}) {}
+
+  /// The verdict on a map, for hands at x and 0.3 m beside it.
+  const Verdict& judge(const CuboidMap& map, double x, double velocity) {
+    checker_.reset();
+    const Time now = map.stamp + fromSeconds(0.01);
+    checker_.setRootPose(Time(), Pose::Identity(), true);
+    for (const double before : {0.04, 0.0}) {
+      checker_.addJoints(now - fromSeconds(before), {"slide", "glide"},
+                         {x - before * velocity, 0.3}, {velocity, 0.0});
+    }
+    checker_.setMap(now, std::make_shared<const CuboidMap>(map));
+    return checker_.check(now);
+  }
+  tccm_monitor::MonitorStatus statusOf(const Verdict& verdict) {
+    tccm_monitor::MonitorStatus status;
+    toMessage(verdict, checker_, status);
+    return status;
+  }
+
+  Checker checker_;
+};
+
+TEST_F(VerdictConversionTest, AClearVerdictIsOK) {
+  CuboidMap map = test::emptyMap();
+  map.stamp = at(100.0);
+  map.viewpoint = Vector3(0.0, 0.0, 2.0);
+  const auto status = statusOf(judge(map, 0.2, 0.0));
+  EXPECT_EQ(status.level, tccm_monitor::MonitorStatus::OK);
+  EXPECT_EQ(status.reason, "CLEAR");
+  EXPECT_EQ(status.detail, "");
+  EXPECT_TRUE(status.known);
+  EXPECT_FALSE(status.stop || status.collision || status.occlusion);
+  EXPECT_EQ(status.serial, 1U);
+  EXPECT_EQ(toTime(status.map_stamp), map.stamp);
+  EXPECT_EQ(toTime(status.joints_stamp), map.stamp + fromSeconds(0.01));
+  EXPECT_EQ(toTime(status.header.stamp), map.stamp + fromSeconds(0.01));
+  EXPECT_TRUE(status.flagged.empty());
+}
+
+TEST_F(VerdictConversionTest, ACollisionNamesLinkAndCuboid) {
+  CuboidMap map = test::emptyMap();
+  map.stamp = at(100.0);
+  map.viewpoint = Vector3(0.0, 0.0, 2.0);
+  const CellIndex cell = *map.grid.cellOf(Vector3(0.5, 0.01, 0.5));
+  test::addCuboid(map, cell, 0.45, 0.55);
+  const auto status = statusOf(judge(map, 0.5, 0.0));
+  EXPECT_EQ(status.level, tccm_monitor::MonitorStatus::STOP);
+  EXPECT_EQ(status.reason, "COLLISION");
+  EXPECT_EQ(status.link, "hand");
+  EXPECT_TRUE(status.stop && status.collision && status.known);
+  ASSERT_GE(status.flagged.size(), 1U);
+  EXPECT_EQ(status.flagged[0].cell, cell);
+  EXPECT_FLOAT_EQ(status.flagged[0].bottom, 0.45F);
+  EXPECT_FLOAT_EQ(status.flagged[0].top, 0.55F);
+  EXPECT_EQ(status.flagged[0].col, tccm_monitor::Cuboid::COLLISION);
+  ASSERT_GE(status.links.size(), 1U);
+  for (const auto& link : status.links) EXPECT_EQ(link.collision, link.link == "hand");
+}
+
+TEST_F(VerdictConversionTest, ACollisionAheadIsSaidOfThePoseAheadAlone) {
+  CuboidMap map = test::emptyMap();
+  map.stamp = at(100.0);
+  map.viewpoint = Vector3(0.0, 0.0, 2.0);
+  test::addCuboid(map, *map.grid.cellOf(Vector3(0.5, 0.01, 0.5)), 0.45, 0.55);
+  const auto status = statusOf(judge(map, 0.25, 0.5));
+  EXPECT_EQ(status.reason, "COLLISION_AHEAD");
+  for (const auto& link : status.links) {
+    EXPECT_EQ(link.collision, link.ahead && link.link == "hand");
+  }
+}
+
+TEST_F(VerdictConversionTest, WithoutAMapTheStatusSaysSo) {
+  tccm_monitor::MonitorStatus status = statusOf(checker_.check(at(100.0)));
+  EXPECT_TRUE(status.stop);
+  EXPECT_FALSE(status.known);
+  EXPECT_EQ(status.reason, "INIT");
+  EXPECT_TRUE(status.map_stamp.isZero());
+  status = statusOf(checker_.check(at(101.0)));
+  EXPECT_EQ(status.level, tccm_monitor::MonitorStatus::FAULT);
+}
+
+TEST_F(VerdictConversionTest, AMapThatWentThroughAMessageGivesTheVeryVerdict) {
+  test::Random random(2);
+  std::size_t collisions = 0, occlusions = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Grid::Config grid{random.uniform(-0.1, 0.2), -0.3, 0.8, 1.0, 0.0, 2.0, 0.02, 0.001};
+    CuboidMap map = test::randomMap(random, grid, random.uniform(0.0, 0.2));
+    map.stamp = at(100.0 + i);
+    map.viewpoint = Vector3(random.uniform(-0.5, 0.0), random.uniform(-0.5, 0.5), 1.5);
+    tccm_monitor::CuboidMap message;
+    toMessage(map, "base", message);
+    CuboidMap back;
+    ASSERT_EQ(fromMessage(message, back), "");
+    const double x = random.uniform(-0.3, 0.9), velocity = random.uniform(-0.5, 0.5);
+    const auto direct = statusOf(judge(map, x, velocity));
+    const auto through = statusOf(judge(back, x, velocity));
+    ASSERT_EQ(direct, through);
+    collisions += direct.collision ? 1 : 0;
+    occlusions += direct.occlusion ? 1 : 0;
+  }
+  EXPECT_GT(collisions, 20U);
+  EXPECT_GT(occlusions, 20U);
+  EXPECT_LT(collisions, 300U);
+}
+
+}  // namespace
+}  // namespace tccm

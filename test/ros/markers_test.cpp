@@ -1,0 +1,176 @@
+#include "tccm_monitor/ros/markers.h"
+
+#include <gtest/gtest.h>
+#include <sensor_msgs/image_encodings.h>
+
+#include <algorithm>
+#include <array>
+
+#include "support/cuboid_scene.h"
+#include "support/tiny_robot.h"
+#include "tccm_monitor/ros/conversions.h"
+
+namespace tccm {
+namespace {
+
+using visualization_msgs::Marker;
+
+constexpr int kStatic = 3;
+
+class CuboidMarkerTest : public ::testing::Test {
+ protected:
+  CuboidMarkerTest() {
+    CuboidMap map = test::emptyMap();
+    test::addCuboid(map, *map.grid.cellOf(Vector3(0.51, 0.21, 0.5)), 0.70, 0.75);
+    toMessage(map, "odom", map_);
+  }
+  Marker marker() {
+    Marker marker;
+    toMarker(map_, kStatic, marker);
+    return marker;
+  }
+  /// Red, green and blue of the brightest face.
+  std::array<float, 3> colour() {
+    const Marker drawn = marker();
+    const auto brightest = std::max_element(
+        drawn.colors.begin(), drawn.colors.end(),
+        [](const auto& a, const auto& b) { return a.r + a.g + a.b < b.r + b.g + b.b; });
+    return {brightest->r, brightest->g, brightest->b};
+  }
+  tccm_monitor::CuboidMap map_;
+};
+
+TEST_F(CuboidMarkerTest, ACuboidIsTwelveTriangles) {
+  const Marker drawn = marker();
+  EXPECT_EQ(drawn.type, Marker::TRIANGLE_LIST);
+  EXPECT_EQ(drawn.action, Marker::ADD);
+  EXPECT_EQ(drawn.header.frame_id, "odom");
+  EXPECT_EQ(drawn.points.size(), 36U);
+  EXPECT_EQ(drawn.colors.size(), 36U);
+}
+
+TEST_F(CuboidMarkerTest, ItReachesFromItsCellsCornerToTheOther) {
+  UprightBox extent;
+  for (const auto& p : marker().points) extent.extend(Vector3(p.x, p.y, p.z));
+  EXPECT_TRUE(extent.min().isApprox(Vector3(0.50, 0.20, 0.70), 1e-6)) << extent.min().transpose();
+  EXPECT_TRUE(extent.max().isApprox(Vector3(0.52, 0.22, 0.75), 1e-6)) << extent.max().transpose();
+}
+
+TEST_F(CuboidMarkerTest, EveryTriangleLooksOutwards) {
+  const Marker drawn = marker();
+  const Vector3 centre(0.51, 0.21, 0.725);
+  for (std::size_t i = 0; i < drawn.points.size(); i += 3) {
+    const auto corner = [&](std::size_t k) {
+      const auto& p = drawn.points[i + k];
+      return Vector3(p.x, p.y, p.z);
+    };
+    const Vector3 normal = (corner(1) - corner(0)).cross(corner(2) - corner(0));
+    EXPECT_GT(normal.norm(), 0.0);
+    EXPECT_GT(normal.dot(corner(0) - centre), 0.0) << i / 3;
+  }
+}
+
+TEST_F(CuboidMarkerTest, ColoursTellStaticDynamicCollisionAndOcclusionApart) {
+  map_.cuboids[0].dyn = kStatic;
+  const auto fixed = colour();
+  EXPECT_GT(fixed[1], std::max(fixed[0], fixed[2])) << "static is green";
+  map_.cuboids[0].dyn = kStatic - 1;
+  const auto moving = colour();
+  EXPECT_GT(moving[0], 2.0F * std::max(moving[1], moving[2])) << "dynamic is red";
+  map_.cuboids[0].col = tccm_monitor::Cuboid::COLLISION;
+  const auto collision = colour();
+  EXPECT_GT(std::min(collision[0], collision[2]), 0.5F) << "collision is magenta";
+  EXPECT_LT(collision[1], 0.2F);
+  map_.cuboids[0].col = tccm_monitor::Cuboid::OCCLUSION;
+  const auto occlusion = colour();
+  EXPECT_GT(occlusion[2], 2.0F * std::max(occlusion[0], occlusion[1])) << "occlusion is blue";
+}
+
+TEST_F(CuboidMarkerTest, AnEmptyMapDeletesWhatWasDrawn) {
+  Marker drawn = marker();
+  map_.cuboids.clear();
+  toMarker(map_, kStatic, drawn);
+  EXPECT_EQ(drawn.action, Marker::DELETE);
+  EXPECT_TRUE(drawn.points.empty());
+}
+
+class RobotMarkerTest : public ::testing::Test {
+ protected:
+  const Verdict& judge(const CuboidMap& map) {
+    const Time now = map.stamp + fromSeconds(0.01);
+    checker_.setRootPose(Time(), Pose::Identity(), true);
+    checker_.addJoints(now, {"slide", "glide"}, {0.5, 0.3}, {});
+    checker_.setMap(now, std::make_shared<const CuboidMap>(map));
+    return checker_.check(now);
+  }
+  visualization_msgs::MarkerArray draw(const Verdict& verdict) {
+    visualization_msgs::MarkerArray markers;
+    toMarkers(verdict, checker_, "odom", markers);
+    return markers;
+  }
+  static CuboidMap scene() {
+    CuboidMap map = test::emptyMap();
+    map.stamp = Time(fromSeconds(100.0));
+    map.viewpoint = Vector3(0.0, 0.0, 1.9);
+    return map;
+  }
+  Checker checker_{test::sliderModel(), {}};
+};
+
+TEST_F(RobotMarkerTest, EachPrimitiveIsDrawnNowAndAheadWhereItIs) {
+  const auto markers = draw(judge(scene())).markers;
+  ASSERT_EQ(markers.size(), 5U);  // two balls, twice, and the text
+  const Marker& hand = markers.front();
+  EXPECT_EQ(hand.type, Marker::SPHERE);
+  EXPECT_EQ(hand.header.frame_id, "odom");
+  EXPECT_NEAR(hand.pose.position.x, 0.5, 1e-9);
+  EXPECT_NEAR(hand.pose.position.z, 0.5, 1e-9);
+  EXPECT_NEAR(hand.scale.x, 2.0 * (0.05 + 0.04), 1e-9) << "as it is checked: padded";
+  EXPECT_EQ(std::count_if(markers.begin(), markers.end(),
+                          [](const Marker& m) { return m.ns == "ahead"; }),
+            2);
+  EXPECT_EQ(markers.back().type, Marker::TEXT_VIEW_FACING);
+  EXPECT_EQ(markers.back().text, "OK CLEAR");
+}
+
+TEST_F(RobotMarkerTest, WhatTouchesTheMapIsMagentaAndTheTextSaysWhy) {
+  CuboidMap map = scene();
+  test::addCuboid(map, *map.grid.cellOf(Vector3(0.5, 0.01, 0.5)), 0.45, 0.55);
+  const auto markers = draw(judge(map)).markers;
+  EXPECT_GT(markers[0].color.b, 0.5F);
+  EXPECT_LT(markers[0].color.g, 0.2F);
+  EXPECT_GT(markers[1].color.g, 0.5F) << "the other ball touches nothing";
+  EXPECT_EQ(markers.back().text.rfind("STOP COLLISION\n", 0), 0U) << markers.back().text;
+}
+
+TEST_F(RobotMarkerTest, ARobotThatCouldNotBePlacedIsNotDrawn) {
+  const auto markers = draw(checker_.check(Time(fromSeconds(100.0)))).markers;
+  ASSERT_EQ(markers.size(), 1U);
+  EXPECT_EQ(markers[0].text.rfind("STOP INIT", 0), 0U);
+}
+
+TEST_F(RobotMarkerTest, TheOcclusionImageShowsLinksAndWhatHidesThem) {
+  CuboidMap map = scene();
+  sensor_msgs::Image image;
+  judge(map);
+  toImage(checker_.poseCheckNow().occlusion().picture(), image);
+  ASSERT_EQ(image.encoding, sensor_msgs::image_encodings::RGB8);
+  ASSERT_EQ(image.data.size(), std::size_t{3} * image.width * image.height);
+  const auto pixels = [&image](bool blue) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < image.data.size(); i += 3) {
+      const bool lit = image.data[i + 2] > 0;
+      if (lit && (image.data[i + 2] > image.data[i]) == blue) ++count;
+    }
+    return count;
+  };
+  EXPECT_GT(pixels(false), 0U);
+  EXPECT_EQ(pixels(true), 0U);
+  test::addBlock(map, UprightBox(Vector3(0.2, -0.2, 1.0), Vector3(0.4, 0.2, 1.1)));
+  EXPECT_EQ(judge(map).reason, Reason::kOcclusion);
+  toImage(checker_.poseCheckNow().occlusion().picture(), image);
+  EXPECT_GT(pixels(true), 0U);
+}
+
+}  // namespace
+}  // namespace tccm

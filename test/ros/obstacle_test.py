@@ -1,0 +1,92 @@
+#!/usr/bin/python3
+"""An obstacle appears in the hand's way, or between the sensor and the hand: the flags rise once it
+is seen, and fall once the hand is clear of it. The nodelets in a manager and those in one process
+say the same."""
+
+import unittest
+
+import rospy
+import rostest
+
+from monitor_recorder import SLACK, START, Recorder, Recording, wait_for_nodelets
+from tccm_monitor.msg import MonitorStatus
+
+SETTLED = START + 2.6
+WINDOW = 1.1 * 1.575
+# How long after the first beam on the obstacle the flag is up. A collision takes three returns; a
+# hidden hand takes so much of the obstacle that a good part of the hand lies behind it.
+PATIENCE = {"collision": 0.15, "occlusion": 0.3}
+
+
+def first_said(recorder):
+    """When each reason was first given; of now and ahead alike."""
+    first = {}
+    for stamp, reason in recorder.changes():
+        first.setdefault(reason.replace("_AHEAD", ""), stamp)
+    return first
+
+
+class ObstacleTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.flag = rospy.get_param("~flag")
+        recording = Recording(cls.flag)
+        cls.truth = recording.truth
+        cls.recorder, cls.standalone = Recorder(), Recorder("standalone/")
+        wait_for_nodelets()
+        wait_for_nodelets("standalone/")
+        recording.play().wait()
+        cls.rise = cls.recorder.first(lambda status: getattr(status, cls.flag), SETTLED)
+        cls.fall = cls.recorder.first(lambda status: not getattr(status, cls.flag), cls.rise)
+        cls.release = cls.recorder.first(lambda status: not status.stop, cls.rise)
+
+    def test_nothing_stops_before_the_obstacle_is_there(self):
+        before = self.recorder.between(SETTLED, self.truth["obstacle_appeared_s"])
+        self.assertGreater(len(before), 50)
+        self.assertEqual({status.reason for status in before}, {"CLEAR"})
+
+    def test_the_flag_rises_once_the_obstacle_was_seen(self):
+        self.assertIsNotNone(self.rise, self.recorder.changes())
+        self.assertGreater(self.rise, self.truth["first_beam_s"])
+        self.assertLess(self.rise, self.truth["first_beam_s"] + PATIENCE[self.flag])
+        raised = self.recorder.flag_between(self.flag, self.rise + SLACK, self.fall - SLACK)
+        self.assertEqual(set(raised), {True})
+
+    def test_the_status_names_reason_link_and_cuboids(self):
+        status = self.recorder.between(self.rise, self.rise + SLACK)[0]
+        self.assertTrue(status.stop)
+        self.assertEqual(status.level, MonitorStatus.STOP)
+        self.assertIn(status.reason, (self.flag.upper(), self.flag.upper() + "_AHEAD"))
+        self.assertTrue(status.link.startswith("right_"), status.link)
+        self.assertIn(status.link, [link.link for link in status.links
+                                    if getattr(link, self.flag)])
+        self.assertGreater(len(status.flagged), 0)
+
+    def test_it_falls_and_the_stop_is_held(self):
+        self.assertIsNotNone(self.fall, self.recorder.changes())
+        status = self.recorder.between(self.fall, self.fall + SLACK)[0]
+        self.assertEqual(status.reason, "RELEASING")
+        self.assertTrue(status.stop)
+        self.assertIn(False, self.recorder.flag_between(self.flag, self.fall, self.fall + SLACK))
+
+    def test_the_stop_is_released_after_a_whole_window(self):
+        if self.flag == "occlusion":
+            self.skipTest("the hand is hidden again before")
+        self.assertIsNotNone(self.release, self.recorder.changes())
+        stopped = max(status.header.stamp.to_sec()
+                      for status in self.recorder.between(self.rise, self.release)
+                      if status.reason != "RELEASING")
+        self.assertGreater(self.release, stopped + WINDOW - 0.1)
+        self.assertLess(self.release, stopped + WINDOW + 0.3)
+
+    def test_one_process_without_a_manager_says_the_same(self):
+        ours, theirs = first_said(self.recorder), first_said(self.standalone)
+        self.assertEqual(set(ours), set(theirs))
+        for reason, stamp in ours.items():
+            # The first message of all comes before the recording's time begins.
+            self.assertLess(abs(max(stamp, START) - max(theirs[reason], START)), 0.15, reason)
+
+
+if __name__ == "__main__":
+    rospy.init_node("obstacle_test")
+    rostest.rosrun("tccm_monitor", "obstacle", ObstacleTest)

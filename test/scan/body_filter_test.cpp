@@ -1,0 +1,192 @@
+#include "tccm_monitor/scan/body_filter.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "support/random.h"
+#include "tccm_monitor/config_error.h"
+
+namespace tccm {
+namespace {
+
+using K = BeamKind;
+
+/// The sensor at the origin looks along x at a sphere of radius 0.1 m, 1 m away.
+constexpr double kRadius = 0.1;
+constexpr double kAway = 1.0;
+
+Pose at(double x, double y, double z) {
+  Pose pose = Pose::Identity();
+  pose.translation() = Vector3(x, y, z);
+  return pose;
+}
+
+Time atSeconds(double seconds) { return Time(fromSeconds(seconds)); }
+
+BodySample sampleOf(const Shape& shape, const Pose& pose, double seconds = 0.0) {
+  return {atSeconds(seconds), {{shape}, {pose}}};
+}
+
+const BodySample kBall = sampleOf(Sphere{kRadius}, at(kAway, 0.0, 0.0));
+
+Beam beamTo(const Vector3& p, double seconds = 0.0) {
+  Beam beam;
+  beam.stamp = atSeconds(seconds);
+  beam.p_fixed = p;
+  beam.viewpoint = Vector3::Zero();
+  beam.kind = K::kReturn;
+  return beam;
+}
+
+std::vector<K> kindsOf(const std::vector<BodySample>& samples, std::vector<Beam> beams,
+                       const BodyFilter::Config& config = {}) {
+  AssembledScan scan;
+  scan.beams = std::move(beams);
+  BodyFilter(config).apply(samples, scan);
+  std::vector<K> kinds;
+  for (const Beam& beam : scan.beams) kinds.push_back(beam.kind);
+  return kinds;
+}
+
+K kindOf(const BodySample& sample, const Vector3& p, const BodyFilter::Config& config = {}) {
+  return kindsOf({sample}, {beamTo(p)}, config).front();
+}
+
+/// Behind the ball, on the beam that passes its centre at `miss` [m].
+Vector3 passing(double miss, double range) {
+  const double angle = std::asin(miss / kAway);
+  return range * Vector3(std::cos(angle), std::sin(angle), 0.0);
+}
+
+TEST(BodyFilterTest, PointsInsideAndNearTheBodyAreItsOwn) {
+  EXPECT_EQ(kindOf(kBall, {1.0, 0.0, 0.0}), K::kSelf);
+  EXPECT_EQ(kindOf(kBall, {0.9, 0.0, 0.0}), K::kSelf);
+  EXPECT_EQ(kindOf(kBall, {0.851, 0.0, 0.0}), K::kSelf);
+  EXPECT_EQ(kindOf(kBall, {0.849, 0.0, 0.0}), K::kReturn);
+  EXPECT_EQ(kindOf(kBall, {1.0, 0.149, 0.0}), K::kSelf);
+}
+
+TEST(BodyFilterTest, PointsInFrontOfTheBodyAreKept) {
+  EXPECT_EQ(kindOf(kBall, {0.5, 0.0, 0.0}), K::kReturn);
+}
+
+TEST(BodyFilterTest, TheShadowReachesItsDepthBehindTheBodyAndNoFurther) {
+  // The beam leaves the ball, grown by the grazing radius, at 1.11 m.
+  EXPECT_EQ(kindOf(kBall, {1.2, 0.0, 0.0}), K::kShadow);
+  EXPECT_EQ(kindOf(kBall, {1.409, 0.0, 0.0}), K::kShadow);
+  EXPECT_EQ(kindOf(kBall, {1.411, 0.0, 0.0}), K::kReturn);
+}
+
+TEST(BodyFilterTest, ABeamThatGrazesTheEdgeIsShadowedAndOnePastTheGrazingRadiusIsNot) {
+  EXPECT_EQ(kindOf(kBall, passing(kRadius + 0.009, 1.25)), K::kShadow);
+  EXPECT_EQ(kindOf(kBall, passing(kRadius + 0.011, 1.25)), K::kReturn);
+  BodyFilter::Config wide;
+  wide.grazing_m = 0.04;
+  EXPECT_EQ(kindOf(kBall, passing(kRadius + 0.039, 1.25), wide), K::kShadow);
+  EXPECT_EQ(kindOf(kBall, passing(kRadius + 0.041, 1.25), wide), K::kReturn);
+}
+
+TEST(BodyFilterTest, ARealObstacleBesideTheHandIsKept) {
+  const BodySample hand = sampleOf(Capsule{0.04, 0.06}, at(0.8, 0.0, 0.0));
+  EXPECT_EQ(kindOf(hand, {0.8, 0.095, 0.0}), K::kReturn);
+  EXPECT_EQ(kindOf(hand, {0.85, 0.10, 0.03}), K::kReturn);
+  EXPECT_EQ(kindOf(hand, {0.8, 0.085, 0.0}), K::kSelf);
+}
+
+TEST(BodyFilterTest, WithoutShadowDepthOnlyTheBodyItselfIsRemoved) {
+  BodyFilter::Config config;
+  config.padding_m = 0.0;
+  config.grazing_m = 0.0;
+  config.shadow_depth_m = 0.0;
+  EXPECT_EQ(kindOf(kBall, {1.05, 0.0, 0.0}, config), K::kSelf);
+  EXPECT_EQ(kindOf(kBall, {1.11, 0.0, 0.0}, config), K::kReturn);
+}
+
+TEST(BodyFilterTest, APrimitiveThatContainsTheSensorCastsNoShadow) {
+  const BodySample housing = sampleOf(Box{{0.05, 0.05, 0.05}}, at(0.0, 0.0, 0.0));
+  EXPECT_EQ(kindOf(housing, {0.2, 0.0, 0.0}), K::kReturn);
+  EXPECT_EQ(kindOf(housing, {0.06, 0.0, 0.0}), K::kSelf);
+}
+
+TEST(BodyFilterTest, OnesOwnPointStaysOnesOwnBehindAnotherPrimitive) {
+  const BodySample body{atSeconds(0.0),
+                        {{Sphere{kRadius}, Sphere{kRadius}}, {at(1.0, 0, 0), at(1.3, 0, 0)}}};
+  EXPECT_EQ(kindOf(body, {1.2, 0.0, 0.0}), K::kSelf);
+}
+
+TEST(BodyFilterTest, EachBeamIsComparedWithTheSampleNearestInTime) {
+  const std::vector<BodySample> samples = {sampleOf(Sphere{kRadius}, at(1.0, 0.0, 0.0), 0.0),
+                                           sampleOf(Sphere{kRadius}, at(1.0, 1.0, 0.0), 0.010),
+                                           sampleOf(Sphere{kRadius}, at(1.0, 2.0, 0.0), 0.020)};
+  const Vector3 first(1.0, 0.0, 0.0), second(1.0, 1.0, 0.0), third(1.0, 2.0, 0.0);
+  EXPECT_EQ(
+      kindsOf(samples, {beamTo(first, 0.004), beamTo(first, 0.006), beamTo(second, 0.006),
+                        beamTo(second, 0.014), beamTo(second, 0.016), beamTo(third, 0.016),
+                        beamTo(third, 0.1)}),
+      (std::vector<K>{K::kSelf, K::kReturn, K::kSelf, K::kSelf, K::kReturn, K::kSelf, K::kSelf}));
+  EXPECT_EQ(kindsOf(samples, {beamTo(first, -1.0)}), std::vector<K>{K::kSelf});
+}
+
+TEST(BodyFilterTest, NoSamplesLeaveTheScanAsItIs) {
+  EXPECT_EQ(kindsOf({}, {beamTo({1.0, 0.0, 0.0})}), std::vector<K>{K::kReturn});
+}
+
+TEST(BodyFilterTest, OnlyReturnsAreTouched) {
+  for (const K kind : {K::kNoReturn, K::kTooClose, K::kUnknown, K::kMixedPixel}) {
+    Beam beam = beamTo({1.0, 0.0, 0.0});
+    beam.kind = kind;
+    EXPECT_EQ(kindsOf({kBall}, {beam}), std::vector<K>{kind});
+  }
+}
+
+/// Inside or near by distance, shadowed by marching along the beam through the grown shape.
+K byMarching(const Shape& shape, const Pose& pose, const Vector3& p,
+             const BodyFilter::Config& config) {
+  const Pose T_shape_fixed = pose.inverse();
+  if (distance(shape, T_shape_fixed * p) <= config.padding_m) return K::kSelf;
+  if (distance(shape, T_shape_fixed * Vector3::Zero()) == 0.0) return K::kReturn;
+  const Shape grown = expanded(shape, {1.0, config.grazing_m});
+  const double range = p.norm();
+  double left = -1.0;
+  for (double along = 0.0; along <= range; along += 0.0005) {
+    if (distance(grown, T_shape_fixed * (p / range * along)) == 0.0) left = along;
+  }
+  return left >= 0.0 && range <= left + config.shadow_depth_m ? K::kShadow : K::kReturn;
+}
+
+TEST(BodyFilterTest, RandomBodiesAgreeWithMarchingAlongTheBeam) {
+  test::Random random(12);
+  std::array<int, kBeamKinds> seen{};
+  int different = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const Shape shape = random.shape(static_cast<std::size_t>(random.integer(0, 3)));
+    const Pose pose = random.pose(0.6);
+    const Vector3 through = pose * random.pointIn(bounds(shape, Pose::Identity()));
+    const Vector3 p = random.uniform(0.3, 2.0) * through;
+    const K expected = byMarching(shape, pose, p, {});
+    const K kind = kindOf({Time(), {{shape}, {pose}}}, p);
+    ++seen[static_cast<std::size_t>(kind)];
+    different += kind != expected;  // the march may step over a corner, or stop a step short
+  }
+  EXPECT_LE(different, 20);
+  for (const K kind : {K::kReturn, K::kSelf, K::kShadow}) {
+    EXPECT_GT(seen[static_cast<std::size_t>(kind)], 200);
+  }
+}
+
+TEST(BodyFilterTest, NegativeAndNaNConfigurationsAreRefused) {
+  for (const double bad :
+       {-0.01, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    for (double BodyFilter::Config::*key :
+         {&BodyFilter::Config::padding_m, &BodyFilter::Config::grazing_m,
+          &BodyFilter::Config::shadow_depth_m}) {
+      BodyFilter::Config config;
+      config.*key = bad;
+      EXPECT_THROW(BodyFilter{config}, ConfigError);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tccm

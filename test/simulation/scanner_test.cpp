@@ -1,0 +1,132 @@
+#include "simulation/scanner.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "simulation/world.h"
+
+namespace tccm::simulation {
+namespace {
+
+Snapshot snapshotOf(Time stamp, const std::vector<std::pair<Shape, Pose>>& targets) {
+  Snapshot snapshot{stamp, Pose::Identity(), {}, {}};
+  for (const auto& [shape, pose] : targets) {
+    snapshot.labels.push_back(snapshot.labels.size());
+    snapshot.targets.shapes.push_back(shape);
+    snapshot.targets.poses.push_back(pose);
+  }
+  return snapshot;
+}
+
+std::vector<Snapshot> standing(const std::vector<std::pair<Shape, Pose>>& targets) {
+  return {snapshotOf(Time{}, targets), snapshotOf(Time{std::chrono::milliseconds(30)}, targets)};
+}
+
+Scanner::Config noiseless() {
+  Scanner::Config config;
+  config.noise_m = 0.0;
+  return config;
+}
+
+double azimuthOf(const LaserScan& scan, std::size_t beam) {
+  return scan.angle_min + static_cast<double>(beam) * scan.angle_increment;
+}
+
+TEST(Scanner, has_the_beams_angles_and_times_of_its_model) {
+  Scanner scanner(noiseless(), 1);
+  const LaserScan scan = scanner.measure(Time{}, standing({})).scan;
+  ASSERT_EQ(scan.ranges.size(), 667U);
+  EXPECT_NEAR(azimuthOf(scan, 0), -azimuthOf(scan, 666), 1e-9);
+  EXPECT_NEAR(azimuthOf(scan, 666), 120.0 * M_PI / 180.0, 0.0025);
+  EXPECT_NEAR(toSeconds(scan.lastBeamTime() - scan.stamp), 0.028 * 240.0 / 360.0, 1e-4);
+  for (const float range : scan.ranges) EXPECT_EQ(range, std::numeric_limits<float>::infinity());
+}
+
+TEST(Scanner, ranges_to_a_wall_are_its_distance_over_the_cosine) {
+  Scanner scanner(noiseless(), 1);
+  const auto [scan, truth] =
+      scanner.measure(Time{}, standing({{Box{Vector3(0.05, 10.0, 1.0)}, at(1.55, 0.0, 0.0)}}));
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+    const double expected = 1.5 / std::cos(azimuthOf(scan, i));
+    if (expected > 0.0 && expected < 4.0) {
+      EXPECT_NEAR(scan.ranges[i], expected, 1e-5);
+      EXPECT_EQ(truth[i].label, 0U);
+    } else if (expected < 0.0 || expected > 4.1) {
+      EXPECT_TRUE(std::isinf(scan.ranges[i]));
+      EXPECT_FALSE(truth[i].label);
+    }
+  }
+}
+
+TEST(Scanner, the_range_to_a_pillar_ahead_is_its_distance_less_its_radius) {
+  Scanner scanner(noiseless(), 1);
+  const LaserScan scan =
+      scanner.measure(Time{}, standing({{Cylinder{0.2, 1.0}, at(2.0, 0.0, 0.0)}})).scan;
+  EXPECT_NEAR(scan.ranges[333], 1.8, 1e-6);
+}
+
+TEST(Scanner, each_beam_meets_what_is_there_at_its_own_time) {
+  const Shape wall = Box{Vector3(0.5, 10.0, 1.0)};
+  std::vector<Snapshot> approaching;
+  for (int ms = 0; ms <= 20; ++ms) {
+    approaching.push_back(
+        snapshotOf(Time{std::chrono::milliseconds(ms)}, {{wall, at(2.5 - 0.01 * ms, 0.0, 0.0)}}));
+  }
+  Scanner scanner(noiseless(), 1);
+  const LaserScan scan = scanner.measure(Time{}, approaching).scan;
+  for (std::size_t i = 200; i < 467; ++i) {
+    const double wall_x = 2.0 - 10.0 * toSeconds(scan.beamTime(i));
+    EXPECT_NEAR(scan.ranges[i] * std::cos(azimuthOf(scan, i)), wall_x, 0.0051);
+  }
+}
+
+TEST(Scanner, noise_has_the_deviation_asked_for) {
+  Scanner scanner(Scanner::Config{}, 3);
+  const auto scene = standing({{Box{Vector3(0.05, 10.0, 1.0)}, at(1.05, 0.0, 0.0)}});
+  double sum = 0.0;
+  int count = 0;
+  for (int scan = 0; scan < 20; ++scan) {
+    const LaserScan measured = scanner.measure(Time{}, scene).scan;
+    for (std::size_t i = 200; i < 467; ++i) {
+      const double error = measured.ranges[i] - 1.0 / std::cos(azimuthOf(measured, i));
+      sum += error * error;
+      ++count;
+    }
+  }
+  EXPECT_NEAR(std::sqrt(sum / count), 0.01, 0.0005);
+}
+
+TEST(Scanner, does_not_see_its_own_housing_and_says_too_close_below_its_least_range) {
+  Scanner scanner(noiseless(), 1);
+  const LaserScan scan =
+      scanner
+          .measure(Time{}, standing({{Box{Vector3(0.03, 0.03, 0.03)}, at(0.0, 0.0, 0.0)},
+                                     {Sphere{0.02}, at(0.06, 0.0, 0.0)}}))
+          .scan;
+  EXPECT_EQ(scan.ranges[333], -std::numeric_limits<float>::infinity());
+  EXPECT_EQ(scan.ranges[600], std::numeric_limits<float>::infinity());
+}
+
+TEST(Scanner, about_half_of_the_beams_on_an_edge_measure_something_in_between) {
+  Scanner scanner(noiseless(), 5);
+  const auto scene = standing({{Box{Vector3(0.05, 0.3, 1.0)}, at(1.05, 0.0, 0.0)},
+                               {Box{Vector3(0.05, 10.0, 1.0)}, at(2.05, 0.0, 0.0)}});
+  int edges = 0;
+  int mixed = 0;
+  for (int scan = 0; scan < 2000; ++scan) {
+    const auto measured = scanner.measure(Time{}, scene);
+    for (std::size_t i = 0; i < measured.truth.size(); ++i) {
+      if (!measured.truth[i].mixed) continue;
+      ++mixed;
+      EXPECT_GT(measured.scan.ranges[i], 1.0);
+      EXPECT_LT(measured.scan.ranges[i], 2.2);
+    }
+    edges += 2;
+  }
+  EXPECT_GT(mixed, edges / 3);
+  EXPECT_LT(mixed, edges * 4 / 3);
+}
+
+}  // namespace
+}  // namespace tccm::simulation

@@ -1,0 +1,193 @@
+#include "simulation/simulator.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+
+#include "simulation/robot/dual_arm.h"
+
+namespace tccm::simulation {
+namespace {
+
+std::vector<SimulatedScan> scansOf(Simulator& simulator, double seconds) {
+  std::vector<SimulatedScan> scans;
+  const Time end = simulator.now() + fromSeconds(seconds);
+  while (simulator.now() < end) {
+    StepOutput output = simulator.step();
+    if (output.scan) scans.push_back(std::move(*output.scan));
+  }
+  return scans;
+}
+
+Simulator::Config poleAhead() {
+  Simulator::Config config;
+  config.obstacle = ObstacleKind::kPole;
+  config.appear_s = 0.1;
+  return config;
+}
+
+bool sameRanges(const SimulatedScan& a, const SimulatedScan& b) {
+  return std::memcmp(a.scan.ranges.data(), b.scan.ranges.data(),
+                     a.scan.ranges.size() * sizeof(float)) == 0;
+}
+
+TEST(Simulator, the_same_seed_gives_the_same_scans_byte_for_byte_and_another_does_not) {
+  Simulator::Config config = poleAhead();
+  Simulator first(config);
+  Simulator second(config);
+  config.seed = 2;
+  Simulator other(config);
+  const auto a = scansOf(first, 1.0);
+  const auto b = scansOf(second, 1.0);
+  const auto c = scansOf(other, 1.0);
+  ASSERT_EQ(a.size(), 36U);
+  ASSERT_EQ(b.size(), a.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_TRUE(sameRanges(a[i], b[i]));
+    EXPECT_FALSE(sameRanges(a[i], c[i]));
+  }
+}
+
+TEST(Simulator, scans_come_every_28_ms_and_the_robot_every_10_ms) {
+  Simulator simulator(Simulator::Config{});
+  const Time start = simulator.now();
+  int robots = 0;
+  int scans = 0;
+  while (simulator.now() < start + std::chrono::seconds(1)) {
+    const StepOutput output = simulator.step();
+    if (output.robot) {
+      ++robots;
+      EXPECT_EQ(output.robot->stamp, start + robots * std::chrono::milliseconds(10));
+    }
+    if (!output.scan) continue;
+    EXPECT_EQ(output.scan->scan.stamp, start + scans++ * std::chrono::milliseconds(28));
+    EXPECT_GE(simulator.now(), output.scan->scan.lastBeamTime());
+  }
+  EXPECT_EQ(robots, 100);
+}
+
+class Obstacles : public ::testing::TestWithParam<ObstacleKind> {};
+
+TEST_P(Obstacles, brought_in_are_in_place_150_mm_ahead_of_the_moving_hand_and_seen) {
+  Simulator::Config config;
+  config.obstacle = GetParam();
+  config.appear_s = 1.0;
+  config.obstacle_speed_mps = 1.5;
+  Simulator simulator(config);
+  scansOf(simulator, 1.0);
+  while (!simulator.truth().appeared) simulator.step();
+  while (simulator.now() < *simulator.truth().in_place) simulator.step();
+  const Time in_place = simulator.now();
+  scansOf(simulator, 1.0);
+  ASSERT_TRUE(simulator.truth().first_beam);
+  EXPECT_GE(*simulator.truth().first_beam, *simulator.truth().appeared);
+  for (const HandSample& sample : simulator.truth().hand) {
+    if (sample.stamp < in_place) continue;
+    const double travelled = sample.speed_mps * toSeconds(sample.stamp - in_place);
+    EXPECT_NEAR(*sample.obstacle_m + travelled, 0.15, 2e-3);
+    break;
+  }
+}
+
+TEST(Simulator, an_obstacle_that_could_never_appear_is_refused) {
+  Simulator::Config config;
+  config.obstacle = ObstacleKind::kPole;
+  config.controller.speed_mps = 1.2;
+  EXPECT_ANY_THROW(Simulator{config});
+}
+
+TEST_P(Obstacles, are_met_by_a_hand_that_does_not_stop_but_not_by_one_that_does) {
+  for (const bool obeys : {false, true}) {
+    Simulator::Config config;
+    config.obstacle = GetParam();
+    config.appear_s = 1.0;
+    Simulator simulator(config);
+    scansOf(simulator, 1.0);
+    while (!simulator.truth().appeared) simulator.step();
+    simulator.setStop(obeys);
+    const double speed = simulator.controller().speed();
+    scansOf(simulator, 1.0);
+    const auto& hand = simulator.truth().hand;
+    const auto seen = std::find_if(hand.begin(), hand.end(),
+                                   [](const HandSample& s) { return s.obstacle_m.has_value(); });
+    ASSERT_NE(seen, hand.end());
+    const double travelled = speed * toSeconds(seen->stamp - *simulator.truth().appeared);
+    EXPECT_NEAR(*seen->obstacle_m + travelled, 0.15, 2e-3);
+    const double least = *simulator.truth().obstacle_min_m;
+    const double way = 0.02 * speed + speed * speed / 4.0;
+    if (obeys) {
+      EXPECT_NEAR(least, 0.15 - way, 4e-3);
+      EXPECT_TRUE(simulator.truth().halted);
+    } else {
+      EXPECT_LT(least, 0.006);
+    }
+  }
+}
+
+TEST_P(Obstacles, for_occlusion_lie_between_sensor_and_hand_and_touch_neither) {
+  Simulator::Config config;
+  config.obstacle = GetParam();
+  config.purpose = ObstaclePurpose::kOcclusion;
+  config.appear_s = 1.0;
+  Simulator simulator(config);
+  scansOf(simulator, 4.0);
+  ASSERT_TRUE(simulator.truth().first_beam);
+  EXPECT_GT(*simulator.truth().obstacle_min_m, 0.1);
+}
+
+INSTANTIATE_TEST_SUITE_P(AllKinds, Obstacles,
+                         ::testing::Values(ObstacleKind::kPole, ObstacleKind::kArm,
+                                           ObstacleKind::kBox));
+
+TEST(Simulator, beams_see_table_objects_and_the_own_arm) {
+  Simulator simulator(Simulator::Config{});
+  std::map<std::string, int> seen;
+  for (const SimulatedScan& scan : scansOf(simulator, 1.6)) {
+    for (const BeamTruth& beam : scan.truth) {
+      if (!beam.label) continue;
+      const bool own = *beam.label < Simulator::kFirstObject;
+      ++seen[own ? simulator.model().linkOf(*beam.label)
+                 : simulator.world()[*beam.label - Simulator::kFirstObject].name];
+    }
+  }
+  for (const char* name : {"floor", "table", "mug", "bottle", "box", "can", "right_palm_link"}) {
+    EXPECT_GT(seen[name], 20) << name;
+  }
+  EXPECT_EQ(seen["laser_link"], 0);
+  EXPECT_EQ(seen["head_roll_link"], 0);
+}
+
+/// Of any primitive of the arms from the scene, over a whole motion [m].
+double leastClearance(const std::shared_ptr<const RobotModel>& model, const std::string& motion,
+                      const World& world) {
+  const ArmPath path = armPath(model, motion);
+  const auto arms = model->shapesOf({"left_*", "right_*"}, "arms");
+  Kinematics kinematics(model);
+  double least = 1.0;
+  for (double s = 0.0; s <= path.length(); s += 0.02) {
+    kinematics.update(path.positions(s), Pose::Identity());
+    for (const std::size_t i : arms) {
+      const SampledBody arm({{model->shapes()[i].shape}, {kinematics.shapePoses()[i]}}, 0.02);
+      for (const SceneObject& object : world) {
+        const SampledBody other({{object.shape}, {object.T_fixed_shape}}, 0.2);
+        least = std::min(least, clearance(arm, other));
+      }
+    }
+  }
+  return least;
+}
+
+TEST(Simulator, arms_in_motion_keep_80_mm_clear_of_the_scene) {
+  for (const std::string& scene_name : sceneNames()) {
+    for (const std::string& motion : motionNames()) {
+      EXPECT_GT(leastClearance(dualArm(), motion, scene(scene_name)), 0.08)
+          << scene_name << " " << motion;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tccm::simulation

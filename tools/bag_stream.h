@@ -1,0 +1,55 @@
+#pragma once
+
+#include <rosbag/bag.h>
+#include <sensor_msgs/JointState.h>
+#include <sensor_msgs/LaserScan.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace tccm {
+
+/// Input that a program cannot work with. what() says it in one line.
+class InputError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The messages of a bag that concern the monitor, in the order they were recorded, from files with
+/// or without compression.
+class BagStream {
+ public:
+  struct Topics {
+    std::string scan;
+    std::string joint_states;
+    bool joint_states_needed = false;
+  };
+  /// What takes the messages. The publisher tells streams of stamps apart.
+  struct Sink {
+    std::function<void(const sensor_msgs::LaserScan&, const std::string& publisher)> scan;
+    std::function<void(const sensor_msgs::JointState&, const std::string& publisher)> joint_states;
+    std::function<void(const tf2_msgs::TFMessage&, bool is_static)> transforms;
+    std::function<void(double fraction)> progress;  ///< may be empty; from 0 to 1
+  };
+
+  /// @throws InputError where there is no such bag, or nothing on a topic that is needed.
+  BagStream(const std::string& path, const Topics& topics);
+
+  /// @throws InputError where the bag is damaged.
+  void play(const Sink& sink) const;
+
+ private:
+  /// @throws InputError where `topic` carries another type, or is needed and not there.
+  void require(const std::string& topic, const std::string& role, const std::string& type,
+               bool needed) const;
+  [[nodiscard]] std::string listOf(const std::string& type) const;
+
+  std::string path_;
+  Topics topics_;
+  rosbag::Bag bag_;
+};
+
+}  // namespace tccm

@@ -1,0 +1,182 @@
+#include <console_bridge/console.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <memory>
+#include <string>
+
+#include "bag_stream.h"
+#include "evaluation.h"
+#include "report.h"
+#include "tccm_monitor/config_error.h"
+
+namespace tccm {
+namespace {
+
+constexpr int kDone = 0;
+constexpr int kBadInput = 2;
+
+struct Options {
+  std::string bag;
+  std::string urdf;
+  std::string config;
+  std::string out;
+  std::string package_path;
+  std::string dump_points;
+  std::string dump_cuboids;
+  std::string dump_verdicts;
+};
+
+void describe(CLI::App& app, Options& options) {
+  app.footer(
+      "Without --urdf the surroundings are mapped and nothing is checked.\n"
+      "Exit status: 0 done, 2 bad input.\n"
+      "Example: evaluate --bag run.bag --urdf robot.urdf --config config/pr2.yaml --out result");
+  app.add_option("--bag", options.bag, "recording with scans, /tf, /tf_static and joint states")
+      ->required();
+  app.add_option("--urdf", options.urdf, "the robot that is filtered out of scans and checked");
+  app.add_option("--config", options.config,
+                 "YAML with topics and the nodelets' parameters; defaults where it says nothing");
+  app.add_option("--out", options.out, "folder for summary.json; made where it is not there")
+      ->required();
+  app.add_option("--package-path", options.package_path,
+                 "folder with a robot's packages: package://P/x is DIR/P/x. Accepted for robots "
+                 "that have meshes; monitored links need primitives, and meshes are refused");
+  app.add_option("--dump-points", options.dump_points,
+                 "CSV of the points that reached the map: scan,x,y,z");
+  app.add_option("--dump-cuboids", options.dump_cuboids,
+                 "CSV of the map after the last scan: x,y,bottom,top,age_scans,dyn,held");
+  app.add_option("--dump-verdicts", options.dump_verdicts,
+                 "CSV of all checks: stamp,scan,collision,occlusion,stop,reason,link; the stamp is "
+                 "the joint state's, the scan the newest in the map");
+}
+
+std::string readText(const std::string& path, const std::string& what) {
+  std::ifstream file(path);
+  const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (!file) throw InputError("cannot read " + what + ": " + path);
+  if (text.empty()) throw InputError(what + " is empty: " + path);
+  return text;
+}
+
+void makeFolder(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (!std::filesystem::is_directory(path)) throw InputError("cannot make the folder " + path);
+}
+
+/// A bar on standard error; nothing where that is no terminal.
+std::function<void(double)> progressBar() {
+  if (isatty(STDERR_FILENO) == 0) return {};
+  return [shown = -1](double fraction) mutable {
+    const int percent = static_cast<int>(100.0 * fraction);
+    if (percent == shown) return;
+    shown = percent;
+    const std::string bar(static_cast<std::size_t>(percent / 2), '#');
+    std::fprintf(stderr, "\r[%-50s] %3d %%%s", bar.c_str(), percent, percent == 100 ? "\n" : "");
+  };
+}
+
+/// The dumps that were asked for; null where not.
+struct Dumps {
+  std::unique_ptr<CsvFile> points;
+  std::unique_ptr<CsvFile> cuboids;
+  std::unique_ptr<CsvFile> verdicts;
+
+  explicit Dumps(const Options& options) {
+    const auto open = [](const std::string& path, const char* header) {
+      return path.empty() ? nullptr : std::make_unique<CsvFile>(path, header);
+    };
+    points = open(options.dump_points, "scan,x,y,z");
+    cuboids = open(options.dump_cuboids, "x,y,bottom,top,age_scans,dyn,held");
+    verdicts = open(options.dump_verdicts, "stamp,scan,collision,occlusion,stop,reason,link");
+  }
+  void close() const {
+    for (const auto* file : {&points, &cuboids, &verdicts}) {
+      if (*file) (*file)->close();
+    }
+  }
+};
+
+void play(const BagStream& bag, Evaluation& evaluation) {
+  BagStream::Sink sink;
+  sink.scan = [&](const auto& message, const auto& from) { evaluation.add(message, from); };
+  sink.joint_states = [&](const auto& message, const auto& from) { evaluation.add(message, from); };
+  sink.transforms = [&](const auto& message, bool fixed) { evaluation.add(message, fixed); };
+  sink.progress = progressBar();
+  bag.play(sink);
+  evaluation.finish();
+}
+
+/// A frame that no transform names is a slip in the configuration, not a bad recording.
+/// @throws InputError
+void requireFixedFrame(const Evaluation& evaluation) {
+  const auto& frames = evaluation.frames();
+  if (frames.count(evaluation.fixedFrame()) > 0) return;
+  std::string names;
+  for (const std::string& frame : frames) names += (names.empty() ? "" : ", ") + frame;
+  throw InputError(
+      "fixed_frame '" + evaluation.fixedFrame() +
+      "' is in no transform of the bag, which has: " + (names.empty() ? "none" : names));
+}
+
+void evaluate(const Options& options) {
+  const MonitorSettings settings = readMonitorSettings(options.config);
+  const std::string urdf = options.urdf.empty() ? "" : readText(options.urdf, "the URDF");
+  if (!options.package_path.empty() && !std::filesystem::is_directory(options.package_path)) {
+    throw InputError("--package-path: no such folder: " + options.package_path);
+  }
+  const BagStream bag(options.bag,
+                      {settings.scan_topic, settings.joint_states_topic, !urdf.empty()});
+  makeFolder(options.out);
+  const Dumps dumps(options);
+  Evaluation::Observer observer;
+  if (dumps.points) {
+    observer.mapped = [&dumps](const Monitor& monitor) { dumpPoints(monitor, *dumps.points); };
+  }
+  if (dumps.verdicts) {
+    observer.checked = [&dumps](const Verdict& verdict) { dumpVerdict(verdict, *dumps.verdicts); };
+  }
+  Evaluation evaluation(settings, urdf, observer);
+  play(bag, evaluation);
+  requireFixedFrame(evaluation);
+  const CuboidMap* map = evaluation.monitor().map();
+  if (dumps.cuboids && map != nullptr) dumpCuboids(*map, *dumps.cuboids);
+  dumps.close();
+
+  const auto summary = summaryOf(evaluation, settings);
+  const std::string path = (std::filesystem::path(options.out) / "summary.json").string();
+  std::ofstream file(path);
+  file << summary.dump(2) << '\n';
+  file.close();
+  if (!file) throw InputError("cannot write " + path);
+  printSummary(summary, std::cout);
+  std::cout << "written  " << path << '\n';
+}
+
+}  // namespace
+}  // namespace tccm
+
+int main(int argc, char** argv) {
+  // Libraries that log on their own would blur the one line that says what is wrong.
+  console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_NONE);
+  tccm::Options options;
+  CLI::App app("Replays a bag through the monitor's core as fast as it can, without a roscore.",
+               "evaluate");
+  tccm::describe(app, options);
+  try {
+    app.parse(argc, argv);
+    tccm::evaluate(options);
+    return tccm::kDone;
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const std::exception& error) {
+    std::cerr << "evaluate: " << error.what() << '\n';
+    return tccm::kBadInput;
+  }
+}

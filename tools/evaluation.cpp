@@ -1,0 +1,140 @@
+#include "evaluation.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "tccm_monitor/ros/conversions.h"
+#include "tccm_monitor/stopwatch.h"
+
+namespace tccm {
+namespace {
+
+constexpr Duration kJumpMin = std::chrono::seconds(1);  // less is jitter between messages
+constexpr Duration kTransformsKept = std::chrono::seconds(10);
+
+}  // namespace
+
+Evaluation::Evaluation(const MonitorSettings& settings, const std::string& urdf, Observer observer)
+    : monitor_(settings.monitorConfig(), urdf),
+      observer_(std::move(observer)),
+      fixed_frame_(withoutSlash(settings.assembler.fixed_frame)),
+      root_frame_(monitor_.hasRobot() ? monitor_.checker().model().rootLink() : std::string()),
+      buffer_(toRos(kTransformsKept)),
+      transforms_(buffer_, fromSeconds(settings.assembler.transform_gap_max_s), kTransformsKept),
+      source_(settings.assembler, monitor_.body() ? root_frame_ : std::string(), transforms_) {}
+
+void Evaluation::add(const sensor_msgs::LaserScan& message, const std::string& publisher) {
+  moveClock(toTime(message.header.stamp), publisher);
+  ++totals_.scans_received;
+  // What is malformed is counted there.
+  static_cast<void>(source_.add(fromMessage(message), message.header.frame_id, *now_));
+  mapReady();
+}
+
+void Evaluation::add(const sensor_msgs::JointState& message, const std::string& publisher) {
+  const Time stamp = toTime(message.header.stamp);
+  moveClock(stamp, publisher);
+  monitor_.addJoints(stamp, message.name, message.position, message.velocity);
+  mapReady();
+  if (monitor_.hasRobot()) check();
+}
+
+void Evaluation::add(const tf2_msgs::TFMessage& message, bool is_static) {
+  for (const auto& transform : message.transforms) {
+    frames_.insert(withoutSlash(transform.header.frame_id));
+    frames_.insert(withoutSlash(transform.child_frame_id));
+  }
+  transforms_.add(message, is_static);
+  if (now_) mapReady();
+}
+
+void Evaluation::finish() {
+  if (source_.waiting() > 0) source_.drain();
+  for (const auto& [reason, count] : source_.dropped()) totals_.scans_dropped[reason] += count;
+  totals_.last_stamp = now_;
+}
+
+void Evaluation::moveClock(Time stamp, const std::string& publisher) {
+  const auto newest = newest_.find(publisher);
+  if (newest != newest_.end() && stamp < newest->second - kJumpMin) resetAfterJump();
+  Time& newest_of_publisher = newest_[publisher];
+  newest_of_publisher = std::max(newest_of_publisher, stamp);
+  now_ = now_ ? std::max(*now_, stamp) : stamp;
+  if (!totals_.first_stamp) totals_.first_stamp = now_;
+}
+
+void Evaluation::resetAfterJump() {
+  ++totals_.time_jumps;
+  if (source_.waiting() > 0) totals_.scans_dropped["time_jump"] += source_.waiting();
+  source_.clear();
+  transforms_.clear();
+  monitor_.reset();
+  newest_.clear();
+  now_.reset();
+  stopped_ = false;
+}
+
+void Evaluation::mapReady() {
+  const JointStates* joints = monitor_.body() ? &monitor_.body()->joints() : nullptr;
+  while (const ScanSource::Ready* ready = source_.next(joints, *now_)) {
+    Stopwatch stopwatch;
+    const auto outcome =
+        monitor_.addScan(*now_, ready->scan, ready->T_fixed_sensor, ready->T_fixed_root);
+    if (!outcome.dropped.empty()) {
+      ++totals_.scans_dropped[outcome.dropped];
+      continue;
+    }
+    if (monitor_.hasRobot()) {
+      check();
+      totals_.timings.scan_to_verdict.push_back(stopwatch.lapMicroseconds());
+    }
+    count(outcome);
+    if (observer_.mapped) observer_.mapped(monitor_);
+  }
+}
+
+void Evaluation::count(const Monitor::ScanOutcome& outcome) {
+  const CuboidMap& map = *monitor_.map();
+  ++totals_.scans_mapped;
+  for (std::size_t kind = 0; kind < kBeamKinds; ++kind) totals_.beams[kind] += outcome.beams[kind];
+  totals_.points_mapped += outcome.added.mapped;
+  totals_.points_out_of_area += outcome.added.out_of_area;
+  totals_.cuboids_sum += map.cuboids.size();
+  totals_.cuboids_max = std::max(totals_.cuboids_max, map.cuboids.size());
+  totals_.overflowed_maps += map.overflowed ? 1 : 0;
+  totals_.complete_maps += map.complete ? 1 : 0;
+  totals_.timings.assemble.push_back(outcome.assemble_us);
+  totals_.timings.integrate.push_back(outcome.integrate_us);
+  totals_.timings.snapshot.push_back(outcome.snapshot_us);
+}
+
+void Evaluation::check() {
+  Checker& checker = monitor_.checker();
+  if (const auto root = transforms_.newest(fixed_frame_, root_frame_)) {
+    checker.setRootPose(root->stamp, root->pose, root->is_static);
+  }
+  const Verdict& verdict = checker.check(*now_);
+  ++totals_.checks;
+  totals_.checks_unknown += verdict.known ? 0 : 1;
+  totals_.collisions += verdict.collision ? 1 : 0;
+  totals_.occlusions += verdict.occlusion ? 1 : 0;
+  totals_.stops += verdict.stop ? 1 : 0;
+  if (verdict.placed) {
+    totals_.timings.collision.push_back(verdict.now.collision_us + verdict.ahead.collision_us);
+    totals_.timings.occlusion.push_back(verdict.now.occlusion_us + verdict.ahead.occlusion_us);
+  }
+  noteStop(verdict);
+  if (observer_.checked) observer_.checked(verdict);
+}
+
+void Evaluation::noteStop(const Verdict& verdict) {
+  std::vector<StopRun>& runs = totals_.stop_runs;
+  if (stopped_) runs.back().to = verdict.stamp;
+  const bool goes_on = stopped_ && verdict.stop && runs.back().reason == verdict.reason;
+  if (verdict.stop && !goes_on) {
+    runs.push_back({verdict.stamp, verdict.stamp, verdict.reason, verdict.link});
+  }
+  stopped_ = verdict.stop;
+}
+
+}  // namespace tccm

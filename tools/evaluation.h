@@ -1,0 +1,119 @@
+#pragma once
+
+#include <sensor_msgs/JointState.h>
+#include <sensor_msgs/LaserScan.h>
+#include <tf2/buffer_core.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tccm_monitor/monitor.h"
+#include "tccm_monitor/ros/scan_source.h"
+#include "tccm_monitor/ros/settings.h"
+#include "tccm_monitor/ros/transform_history.h"
+
+namespace tccm {
+
+/// Consecutive checks that said stop for the same reason.
+struct StopRun {
+  Time from;  ///< the first of them
+  Time to;    ///< the first check after them; the last of them at the end of the recording
+  Reason reason = Reason::kInit;
+  std::string link;  ///< the first concerned
+};
+
+/// Wall times [us], one value a scan or check.
+struct Timings {
+  std::vector<double> assemble;
+  std::vector<double> integrate;
+  std::vector<double> snapshot;
+  std::vector<double> collision;  ///< of both poses
+  std::vector<double> occlusion;
+  std::vector<double> scan_to_verdict;  ///< from a scan with its transforms to the check on its map
+};
+
+/// What became of a recording. All but the timings depend on the recording and settings alone.
+struct Totals {
+  std::size_t scans_received = 0;
+  std::size_t scans_mapped = 0;
+  std::map<std::string, std::size_t> scans_dropped;  ///< by reason; none is 0
+
+  BeamCounts beams{};  ///< of the mapped scans
+  std::size_t points_mapped = 0;
+  std::size_t points_out_of_area = 0;
+
+  std::size_t cuboids_sum = 0;  ///< over the maps after each scan
+  std::size_t cuboids_max = 0;
+  std::size_t overflowed_maps = 0;
+  std::size_t complete_maps = 0;
+
+  std::size_t checks = 0;
+  std::size_t checks_unknown = 0;  ///< without a whole map or fresh input
+  std::size_t collisions = 0;
+  std::size_t occlusions = 0;
+  std::size_t stops = 0;
+  std::vector<StopRun> stop_runs;
+
+  std::size_t time_jumps = 0;
+  std::optional<Time> first_stamp;
+  std::optional<Time> last_stamp;
+  Timings timings;
+};
+
+/// Drives the core with the messages of a recording. The clock is the newest stamp of scans and
+/// joint states; stamps of transforms do not move it, as publishers of fixed transforms date them
+/// ahead.
+class Evaluation {
+ public:
+  /// Called after each mapped scan and after each check; may be empty.
+  struct Observer {
+    std::function<void(const Monitor&)> mapped;
+    std::function<void(const Verdict&)> checked;
+  };
+
+  /// @param urdf empty: the surroundings are mapped, and nothing is checked. @throws ConfigError
+  Evaluation(const MonitorSettings& settings, const std::string& urdf, Observer observer);
+
+  /// @param publisher whose stamps rise, unless time jumps back.
+  void add(const sensor_msgs::LaserScan& message, const std::string& publisher);
+  void add(const sensor_msgs::JointState& message, const std::string& publisher);
+  void add(const tf2_msgs::TFMessage& message, bool is_static);
+  /// After the last message: scans that still wait are dropped.
+  void finish();
+
+  /// Complete after finish().
+  [[nodiscard]] const Totals& totals() const { return totals_; }
+  [[nodiscard]] const Monitor& monitor() const { return monitor_; }
+  [[nodiscard]] const std::string& fixedFrame() const { return fixed_frame_; }
+  /// All that the recording's transforms name.
+  [[nodiscard]] const std::set<std::string>& frames() const { return frames_; }
+
+ private:
+  void moveClock(Time stamp, const std::string& publisher);
+  void resetAfterJump();
+  /// Maps the scans whose transforms have come, and checks after each.
+  void mapReady();
+  void count(const Monitor::ScanOutcome& outcome);
+  void check();
+  void noteStop(const Verdict& verdict);
+
+  Monitor monitor_;
+  Observer observer_;
+  std::string fixed_frame_;
+  std::string root_frame_;  ///< empty without a robot
+  tf2::BufferCore buffer_;
+  TransformHistory transforms_;
+  std::set<std::string> frames_;
+  ScanSource source_;
+  std::map<std::string, Time> newest_;  ///< by publisher
+  std::optional<Time> now_;
+  bool stopped_ = false;  ///< by the last check
+  Totals totals_;
+};
+
+}  // namespace tccm

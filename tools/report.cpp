@@ -1,0 +1,215 @@
+#include "report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numeric>
+
+#include "bag_stream.h"
+
+namespace tccm {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double rounded(double value) { return std::nearbyint(value * 1e6) / 1e6; }
+
+/// Null of nothing: no checks are not "never a collision".
+Json fraction(std::size_t part, std::size_t whole) {
+  if (whole == 0) return nullptr;
+  return rounded(static_cast<double>(part) / static_cast<double>(whole));
+}
+
+/// Nearest rank. @param sorted ascending, not empty.
+double percentile(const std::vector<double>& sorted, double p) {
+  const auto rank = static_cast<std::size_t>(std::ceil(p * static_cast<double>(sorted.size())));
+  return sorted[std::max<std::size_t>(rank, 1) - 1];
+}
+
+Json percentiles(std::vector<double> values) {
+  if (values.empty()) return {{"p50", nullptr}, {"p99", nullptr}, {"max", nullptr}};
+  std::sort(values.begin(), values.end());
+  const auto tenths = [](double us) { return std::nearbyint(us * 10.0) / 10.0; };
+  return {{"p50", tenths(percentile(values, 0.50))},
+          {"p99", tenths(percentile(values, 0.99))},
+          {"max", tenths(values.back())}};
+}
+
+Json pointsOf(const Totals& totals) {
+  const auto of = [&totals](BeamKind kind) { return totals.beams[static_cast<std::size_t>(kind)]; };
+  const std::size_t overflowed =
+      of(BeamKind::kReturn) - totals.points_mapped - totals.points_out_of_area;
+  return {
+      {"measured", std::accumulate(totals.beams.begin(), totals.beams.end(), std::size_t{0})},
+      {"out_of_range", of(BeamKind::kNoReturn) + of(BeamKind::kTooClose) + of(BeamKind::kUnknown)},
+      {"mixed_pixel", of(BeamKind::kMixedPixel)},
+      {"self", of(BeamKind::kSelf)},
+      {"shadow", of(BeamKind::kShadow)},
+      {"out_of_area", totals.points_out_of_area},
+      {"mapped", totals.points_mapped},
+      {"overflowed", overflowed}};
+}
+
+Json cuboidsOf(const Totals& totals) {
+  if (totals.scans_mapped == 0) return {{"mean", nullptr}, {"max", nullptr}};
+  const double mean =
+      static_cast<double>(totals.cuboids_sum) / static_cast<double>(totals.scans_mapped);
+  return {{"mean", rounded(mean)}, {"max", totals.cuboids_max}};
+}
+
+Json mapOf(const Evaluation& evaluation, const MonitorSettings& settings) {
+  const Totals& totals = evaluation.totals();
+  const IntegrationMap& map = evaluation.monitor().mapper().map();
+  const Grid& grid = map.grid();
+  const Grid::Config& config = grid.config();
+  const Height thickness = grid.heightOf(settings.mapper.mapper.map.thickness_m);
+  const CuboidMap* newest = evaluation.monitor().map();
+  const auto period = evaluation.monitor().mapper().tiltPeriod();
+  return {{"origin_m", {config.origin_x_m, config.origin_y_m}},
+          {"cell_size_m", config.cell_size_m},
+          {"cells", {grid.cellsX(), grid.cellsY()}},
+          {"height_limits_m", {config.height_min_m, config.height_max_m}},
+          {"thickness_m", rounded(grid.metres(thickness))},
+          {"height_quantum_m", config.height_quantum_m},
+          {"window_scans", map.scans()},
+          {"last_scan", map.serial()},
+          {"window_s", newest ? Json(rounded(toSeconds(newest->window))) : Json(nullptr)},
+          {"tilt_period_s", period ? Json(rounded(toSeconds(*period))) : Json(nullptr)},
+          {"complete", newest != nullptr && newest->complete},
+          {"complete_fraction", fraction(totals.complete_maps, totals.scans_mapped)},
+          {"overflowed_fraction", fraction(totals.overflowed_maps, totals.scans_mapped)},
+          {"cuboids", cuboidsOf(totals)},
+          {"memory_bytes", map.memoryBytes()}};
+}
+
+Json stopsOf(const Totals& totals) {
+  Json stops = Json::array();
+  for (const StopRun& run : totals.stop_runs) {
+    stops.push_back({{"from_s", rounded(toSeconds(run.from - *totals.first_stamp))},
+                     {"to_s", rounded(toSeconds(run.to - *totals.first_stamp))},
+                     {"reason", name(run.reason)},
+                     {"link", run.link}});
+  }
+  return stops;
+}
+
+Json timesOf(const Timings& timings) {
+  return {{"assemble", percentiles(timings.assemble)},
+          {"integrate", percentiles(timings.integrate)},
+          {"snapshot", percentiles(timings.snapshot)},
+          {"collision", percentiles(timings.collision)},
+          {"occlusion", percentiles(timings.occlusion)},
+          {"scan_to_verdict", percentiles(timings.scan_to_verdict)}};
+}
+
+std::string number(const Json& value) { return value.is_null() ? "-" : value.dump(); }
+
+std::string percent(const Json& fraction) {
+  if (fraction.is_null()) return "-";
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f %%", 100.0 * fraction.get<double>());
+  return text;
+}
+
+}  // namespace
+
+CsvFile::CsvFile(const std::string& path, const std::string& header) : path_(path), stream_(path) {
+  stream_ << header << '\n';
+  if (!stream_) throw InputError("cannot write " + path_);
+}
+
+void CsvFile::write(const char* text, int length) {
+  stream_.write(text, length);
+  stream_ << '\n';
+}
+
+void CsvFile::close() {
+  stream_.close();
+  if (!stream_) throw InputError("cannot write all of " + path_);
+}
+
+void dumpPoints(const Monitor& monitor, CsvFile& file) {
+  const CuboidMap& map = *monitor.map();
+  for (const Vector3& exact : monitor.returns().points) {
+    const Vector3 p(Grid::toMicrometre(exact.x()), Grid::toMicrometre(exact.y()),
+                    Grid::toMicrometre(exact.z()));
+    if (map.grid.cellOf(p)) file.line("%u,%.6f,%.6f,%.6f", map.serial, p.x(), p.y(), p.z());
+  }
+}
+
+void dumpCuboids(const CuboidMap& map, CsvFile& file) {
+  constexpr int kHeld = 0;  // every cuboid of the live layer was seen in the window
+  for (const Cuboid& cuboid : map.cuboids) {
+    const Eigen::Vector2d centre = map.grid.centre(cuboid.cell);
+    file.line("%.6f,%.6f,%.6f,%.6f,%u,%u,%d", centre.x(), centre.y(),
+              map.grid.metres(cuboid.bottom), map.grid.metres(cuboid.top), cuboid.age_scans,
+              cuboid.dyn, kHeld);
+  }
+}
+
+void dumpVerdict(const Verdict& verdict, CsvFile& file) {
+  char stamp[40] = "";
+  const auto nanoseconds = verdict.joints_stamp.time_since_epoch().count();
+  if (nanoseconds > 0) {
+    std::snprintf(stamp, sizeof stamp, "%lld.%09lld",
+                  static_cast<long long>(nanoseconds / 1000000000),
+                  static_cast<long long>(nanoseconds % 1000000000));
+  }
+  file.line("%s,%u,%d,%d,%d,%s,%s", stamp, verdict.serial, verdict.collision, verdict.occlusion,
+            verdict.stop, name(verdict.reason), verdict.link.c_str());
+}
+
+Json summaryOf(const Evaluation& evaluation, const MonitorSettings& settings) {
+  const Totals& totals = evaluation.totals();
+  const Json dropped = totals.scans_dropped.empty() ? Json::object() : Json(totals.scans_dropped);
+  const bool any = totals.first_stamp && totals.last_stamp;
+  return {{"scans", totals.scans_mapped},
+          {"scans_received", totals.scans_received},
+          {"scans_dropped", dropped},
+          {"points", pointsOf(totals)},
+          {"map", mapOf(evaluation, settings)},
+          {"checks", totals.checks},
+          {"collision_fraction", fraction(totals.collisions, totals.checks)},
+          {"occlusion_fraction", fraction(totals.occlusions, totals.checks)},
+          {"stop_fraction", fraction(totals.stops, totals.checks)},
+          {"unknown_fraction", fraction(totals.checks_unknown, totals.checks)},
+          {"stops", stopsOf(totals)},
+          {"time_jumps", totals.time_jumps},
+          {"duration_s", any ? Json(rounded(toSeconds(*totals.last_stamp - *totals.first_stamp)))
+                             : Json(nullptr)},
+          {"time_us", timesOf(totals.timings)}};
+}
+
+void printSummary(const Json& summary, std::ostream& out) {
+  const Json& map = summary["map"];
+  const Json& points = summary["points"];
+  out << "scans    " << summary["scans"] << " of " << summary["scans_received"] << " mapped";
+  for (const auto& [reason, count] : summary["scans_dropped"].items()) {
+    out << ", " << count << " dropped: " << reason;
+  }
+  out << "\npoints   " << points["mapped"] << " of " << points["measured"] << " mapped";
+  for (const char* step : {"out_of_range", "mixed_pixel", "self", "shadow", "out_of_area"}) {
+    out << ", " << points[step] << " " << step;
+  }
+  out << "\nmap      " << number(map["cuboids"]["mean"]) << " cuboids on average, window "
+      << map["window_scans"] << " scans, whole in " << percent(map["complete_fraction"])
+      << " of the scans\n";
+  if (points["overflowed"] > 0) {
+    out << "warning  " << points["overflowed"]
+        << " points did not fit into the map: raise intervals_max or window_returns_max\n";
+  }
+  out << "checks   " << summary["checks"] << ": stop " << percent(summary["stop_fraction"])
+      << ", collision " << percent(summary["collision_fraction"]) << ", occlusion "
+      << percent(summary["occlusion_fraction"]) << ", unknown "
+      << percent(summary["unknown_fraction"]) << "\n";
+  if (summary["time_jumps"] > 0) {
+    out << "warning  time jumped back " << summary["time_jumps"]
+        << " times; each time all started anew\n";
+  }
+  const Json& times = summary["time_us"];
+  out << "time     assemble " << number(times["assemble"]["p50"]) << " us, integrate "
+      << number(times["integrate"]["p50"]) << " us, scan to verdict "
+      << number(times["scan_to_verdict"]["p50"]) << " us (medians)\n";
+}
+
+}  // namespace tccm

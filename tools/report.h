@@ -1,0 +1,48 @@
+#pragma once
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <ostream>
+#include <string>
+
+#include "evaluation.h"
+
+namespace tccm {
+
+/// A CSV file that somebody asked for, with its header line. Positions carry 6 decimals [m].
+class CsvFile {
+ public:
+  /// @throws InputError where the file cannot be written.
+  CsvFile(const std::string& path, const std::string& header);
+
+  /// One line. Arguments as of printf. @throws InputError where the disk is full.
+  template <typename... Values>
+  void line(const char* format, Values... values) {
+    char text[512];
+    const int length = std::snprintf(text, sizeof text, format, values...);
+    write(text, length);
+  }
+  /// @throws InputError where not all of it could be written.
+  void close();
+
+ private:
+  void write(const char* text, int length);
+
+  std::string path_;
+  std::ofstream stream_;
+};
+
+/// The newest scan's points as the map took them: scan,x,y,z.
+void dumpPoints(const Monitor& monitor, CsvFile& file);
+/// The live cuboids: x,y,bottom,top,age_scans,dyn,held; x and y of the cell's centre.
+void dumpCuboids(const CuboidMap& map, CsvFile& file);
+/// One check: stamp,scan,collision,occlusion,stop,reason,link. No stamp where no joint was known.
+void dumpVerdict(const Verdict& verdict, CsvFile& file);
+
+/// All figures of a run; only time_us differs between two runs.
+[[nodiscard]] nlohmann::ordered_json summaryOf(const Evaluation& evaluation,
+                                               const MonitorSettings& settings);
+/// The same for people, in a few lines.
+void printSummary(const nlohmann::ordered_json& summary, std::ostream& out);
+
+}  // namespace tccm
