@@ -1,11 +1,8 @@
 #include "tccm_monitor/geometry/ray.h"
 
-#include <geometric_shapes/bodies.h>
-#include <geometric_shapes/shapes.h>
 #include <gtest/gtest.h>
 
-#include <memory>
-
+#include "support/geometric_shapes_body.h"
 #include "support/near.h"
 #include "support/random.h"
 
@@ -13,24 +10,7 @@ namespace tccm {
 namespace {
 
 using test::Random;
-
-/// geometric_shapes knows no capsule.
-std::unique_ptr<bodies::Body> toBody(const Shape& shape) {
-  if (const auto* b = std::get_if<Box>(&shape)) {
-    const Vector3 size = 2.0 * b->half_extents;
-    const shapes::Box box(size.x(), size.y(), size.z());
-    return std::make_unique<bodies::Box>(&box);
-  }
-  if (const auto* c = std::get_if<Cylinder>(&shape)) {
-    const shapes::Cylinder cylinder(c->radius, 2.0 * c->half_length);
-    return std::make_unique<bodies::Cylinder>(&cylinder);
-  }
-  if (const auto* s = std::get_if<Sphere>(&shape)) {
-    const shapes::Sphere sphere(s->radius);
-    return std::make_unique<bodies::Sphere>(&sphere);
-  }
-  return nullptr;
-}
+using test::toBody;
 
 /// From around the shape towards a point in its bounds; some parallel to an axis, some from inside.
 Ray randomRay(Random& random, const Shape& shape) {

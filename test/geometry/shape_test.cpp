@@ -1,12 +1,10 @@
 #include "tccm_monitor/geometry/shape.h"
 
-#include <geometric_shapes/bodies.h>
-#include <geometric_shapes/shapes.h>
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <memory>
 
+#include "support/geometric_shapes_body.h"
 #include "support/near.h"
 #include "support/random.h"
 #include "tccm_monitor/config_error.h"
@@ -16,24 +14,10 @@ namespace {
 
 using test::isNearly;
 using test::Random;
+using test::toBody;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// geometric_shapes knows no capsule.
-std::unique_ptr<bodies::Body> toBody(const Shape& shape) {
-  if (const auto* b = std::get_if<Box>(&shape)) {
-    const Vector3 size = 2.0 * b->half_extents;
-    const shapes::Box box(size.x(), size.y(), size.z());
-    return std::make_unique<bodies::Box>(&box);
-  }
-  if (const auto* c = std::get_if<Cylinder>(&shape)) {
-    const shapes::Cylinder cylinder(c->radius, 2.0 * c->half_length);
-    return std::make_unique<bodies::Cylinder>(&cylinder);
-  }
-  const shapes::Sphere sphere(std::get<Sphere>(shape).radius);
-  return std::make_unique<bodies::Sphere>(&sphere);
-}
 
 bool contains(const Shape& shape, const Vector3& p) { return distance(shape, p) == 0.0; }
 
