@@ -23,9 +23,11 @@ YAML::Node toYaml(XmlRpc::XmlRpcValue& value) {
       node = static_cast<std::string>(value);
       break;
     case XmlRpc::XmlRpcValue::TypeArray:
+      node = YAML::Node(YAML::NodeType::Sequence);  // also where it is empty
       for (int i = 0; i < value.size(); ++i) node.push_back(toYaml(value[i]));
       break;
     case XmlRpc::XmlRpcValue::TypeStruct:
+      node = YAML::Node(YAML::NodeType::Map);
       for (auto& entry : value) node[entry.first] = toYaml(entry.second);
       break;
     default:

@@ -67,13 +67,18 @@ class Recorder:
     def flag_between(self, flag, begin, end):
         return [value for stamp, value in self.flags[flag] if begin <= stamp < end]
 
-    def first(self, wanted, begin=0.0):
-        """When the first status from `begin` on is as wanted; None where there is none."""
-        for status in self.statuses:
-            stamp = status.header.stamp.to_sec()
-            if stamp >= begin and wanted(status):
-                return stamp
+    def find(self, wanted, begin=0.0, after=-1):
+        """The index of the first status that is as wanted, from the time `begin` on and after that
+        index: several statuses may have one stamp. None where there is none."""
+        for index, status in enumerate(self.statuses):
+            if index > after and status.header.stamp.to_sec() >= begin and wanted(status):
+                return index
         return None
+
+    def first(self, wanted, begin=0.0, after=-1):
+        """The stamp of that status."""
+        index = self.find(wanted, begin, after)
+        return None if index is None else self.statuses[index].header.stamp.to_sec()
 
     def changes(self):
         """(stamp, reason) wherever the reason is another than before."""
