@@ -47,10 +47,19 @@ class SummaryTest(unittest.TestCase):
         self.assertIn("failed: gtest-map: MapTest.Breaks", lines)
         self.assertEqual(lines[-1], "1 passed, 1 failed, 2 skipped")
 
-    def test_what_rostest_repeats_counts_once(self):
+    def test_a_test_program_that_ran_is_no_test_itself(self):
         self.write("rostest-run.xml", PASSED)
-        self.write("rosunit-run.xml", PASSED)
-        self.assertEqual(self.summary(), (0, ["1 passed, 0 failed, 0 skipped"]))
+        self.write("rosunit-run.xml", GTEST.format(more=FAILURE))
+        status, lines = self.summary()
+        self.assertEqual(status, 1)
+        self.assertEqual(lines[-1], "1 passed, 1 failed, 2 skipped")
+
+    def test_a_test_program_that_did_not_run_is_a_failure(self):
+        self.write("rostest-run.xml", f"<testsuite>{FAILURE}</testsuite>")
+        self.write("gtest-a.xml", PASSED)
+        status, lines = self.summary()
+        self.assertEqual(status, 1)
+        self.assertEqual(lines[-1], "1 passed, 1 failed, 0 skipped")
 
     def test_a_broken_file_fails(self):
         self.write("gtest-a.xml", PASSED)
