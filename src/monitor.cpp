@@ -49,12 +49,9 @@ Monitor::ScanOutcome Monitor::addScan(Time now, const LaserScan& scan,
     outcome.dropped = body_->sample(scan.stamp, scan.lastBeamTime(), T_fixed_root);
     if (!outcome.dropped.empty()) return outcome;
   }
-  const std::string defect = assembler_.assemble(scan, T_fixed_sensor,
-                                                 body_ ? body_->samples() : kNobody, assembled_);
-  if (!defect.empty()) {
-    outcome.dropped = "malformed";
-    return outcome;
-  }
+  outcome.dropped =
+      assembler_.assemble(scan, T_fixed_sensor, body_ ? body_->samples() : kNobody, assembled_);
+  if (!outcome.dropped.empty()) return outcome;
   takeReturns(assembled_, returns_);
   outcome.beams = assembled_.counts();
   outcome.assemble_us = stopwatch.lapMicroseconds();

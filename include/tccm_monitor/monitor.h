@@ -29,7 +29,7 @@ class Monitor {
   };
 
   struct ScanOutcome {
-    /// Why nothing was mapped: no_transform, no_joint_states, malformed, out_of_order,
+    /// Why nothing was mapped: no_transform, no_joint_states, malformed, blind, out_of_order,
     /// bad_viewpoint; empty where the scan is in the map.
     std::string dropped;
     BeamCounts beams{};

@@ -17,6 +17,8 @@
 namespace tccm {
 namespace {
 
+constexpr double kClockStallMax = 0.5;  // [s] of wall time; recordings' clocks come in bursts
+
 constexpr const char* kNoTimeYet = "simulated time has not begun";
 
 std_msgs::Bool flag(bool value) {
@@ -148,10 +150,19 @@ void CollisionChecker::tellChange(const Verdict& verdict) {
   }
 }
 
+bool CollisionChecker::clockStalls() {
+  const ros::Time now = ros::Time::now();
+  const ros::WallTime wall = ros::WallTime::now();
+  if (now != clock_ || clock_moved_.isZero()) clock_moved_ = wall;
+  clock_ = now;
+  return ros::Time::isSimTime() && !now.isZero() && (wall - clock_moved_).toSec() > kClockStallMax;
+}
+
 void CollisionChecker::publish() {
-  const bool known = verdict_ && verdict_->known;
-  published_ = verdict_ ? verdict_->level : Level::kFault;
-  stop_publisher_.publish(flag(!verdict_ || verdict_->stop));
+  const bool stalls = clockStalls();
+  const bool known = !stalls && verdict_ && verdict_->known;
+  published_ = verdict_ && !stalls ? verdict_->level : Level::kFault;
+  stop_publisher_.publish(flag(stalls || !verdict_ || verdict_->stop));
   // What is not known is not clear.
   collision_publisher_.publish(flag(!known || verdict_->collision));
   occlusion_publisher_.publish(flag(!known || verdict_->occlusion));
@@ -163,6 +174,13 @@ void CollisionChecker::publish() {
     status.stop = true;
     status.reason = tccm::name(Reason::kInit);
     status.detail = kNoTimeYet;
+  }
+  if (stalls) {
+    status.level = tccm_monitor::MonitorStatus::FAULT;
+    status.stop = true;
+    status.known = false;
+    status.reason = "NO_CLOCK";
+    status.detail = "simulated time stands still";
   }
   status.header.frame_id = withoutSlash(settings_.fixed_frame);
   status.scan_to_verdict_s = static_cast<float>(scan_to_verdict_s_);

@@ -80,12 +80,9 @@ class ShapeMarkers {
   ShapeMarkers(Marker prototype, const Pose& pose, std::vector<Marker>& markers)
       : prototype_(std::move(prototype)), pose_(pose), markers_(markers) {}
 
-  void operator()(const Box& box) {
-    add(Marker::CUBE, Pose::Identity(), 2.0 * box.half_extents);
-  }
+  void operator()(const Box& box) { add(Marker::CUBE, Pose::Identity(), 2.0 * box.half_extents); }
   void operator()(const Cylinder& c) {
-    add(Marker::CYLINDER, Pose::Identity(),
-        {2.0 * c.radius, 2.0 * c.radius, 2.0 * c.half_length});
+    add(Marker::CYLINDER, Pose::Identity(), {2.0 * c.radius, 2.0 * c.radius, 2.0 * c.half_length});
   }
   void operator()(const Capsule& c) {
     (*this)(Cylinder{c.radius, c.half_length});

@@ -76,6 +76,7 @@ AssemblerSettings readAssemblerSettings(Parameters& parameters) {
   parameters.read("self_filter", settings.self_filter);
   read(parameters, settings.robot);
   parameters.read("scan_beams_max", settings.assembler.scan_beams_max);
+  parameters.read("scan_unknown_fraction_max", settings.assembler.scan_unknown_fraction_max);
   parameters.read("mixed_pixel_separation_m", settings.assembler.mixed_pixel.separation_m);
   parameters.read("self_filter_padding_m", settings.assembler.body.padding_m);
   parameters.read("self_filter_grazing_m", settings.assembler.body.grazing_m);

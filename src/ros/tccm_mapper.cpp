@@ -27,13 +27,12 @@ void TccmMapper::setUp() {
   status_subscriber_ = node.subscribe("monitor_status", 2, &TccmMapper::receiveStatus, this);
   marker_timer_ = node.createWallTimer(ros::WallDuration(1.0 / settings_.marker_rate_hz),
                                        [this](const ros::WallTimerEvent&) { publishMarkers(); });
-  diagnostics_ = std::make_unique<diagnostic_updater::Updater>(node, getPrivateNodeHandle(),
-                                                               getName());
+  diagnostics_ =
+      std::make_unique<diagnostic_updater::Updater>(node, getPrivateNodeHandle(), getName());
   diagnostics_->setHardwareID("none");
   diagnostics_->add("map", this, &TccmMapper::diagnose);
-  diagnostics_timer_ =
-      node.createWallTimer(ros::WallDuration(0.5),
-                           [this](const ros::WallTimerEvent&) { diagnostics_->update(); });
+  diagnostics_timer_ = node.createWallTimer(
+      ros::WallDuration(0.5), [this](const ros::WallTimerEvent&) { diagnostics_->update(); });
 }
 
 void TccmMapper::receiveCloud(const sensor_msgs::PointCloud2::ConstPtr& message) {
@@ -116,8 +115,7 @@ void TccmMapper::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   } else if (snapshot_.overflowed) {
     status.summary(DiagnosticStatus::ERROR,
                    "points are left out: raise window_returns_max or intervals_max");
-  } else if (!snapshot_.complete &&
-             mapper_->map().scans() == settings_.mapper.map.scans_max) {
+  } else if (!snapshot_.complete && mapper_->map().scans() == settings_.mapper.map.scans_max) {
     status.summary(DiagnosticStatus::ERROR, "window_scans_max is too small for the window");
   } else if (!snapshot_.complete) {
     status.summary(DiagnosticStatus::WARN, "the map does not hold a whole window yet");

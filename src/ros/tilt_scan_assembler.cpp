@@ -35,12 +35,12 @@ void TiltScanAssembler::setUp() {
         node.subscribe("joint_states", 200, &TiltScanAssembler::receiveJoints, this, hints);
   }
   scan_subscriber_ = node.subscribe("scan", 20, &TiltScanAssembler::receiveScan, this, hints);
-  diagnostics_ = std::make_unique<diagnostic_updater::Updater>(node, getPrivateNodeHandle(),
-                                                               getName());
+  diagnostics_ =
+      std::make_unique<diagnostic_updater::Updater>(node, getPrivateNodeHandle(), getName());
   diagnostics_->setHardwareID("none");
   diagnostics_->add("scans", this, &TiltScanAssembler::diagnose);
-  diagnostics_timer_ = node.createWallTimer(
-      ros::WallDuration(0.5), [this](const ros::WallTimerEvent&) {
+  diagnostics_timer_ =
+      node.createWallTimer(ros::WallDuration(0.5), [this](const ros::WallTimerEvent&) {
         process();
         diagnostics_->update();
       });
@@ -77,9 +77,9 @@ void TiltScanAssembler::publish(const ScanSource::Ready& ready) {
         body_->sample(ready.scan.stamp, ready.scan.lastBeamTime(), ready.T_fixed_root);
     if (!unknown.empty()) return source_->countDrop(unknown);
   }
-  const std::string defect = assembler_->assemble(
-      ready.scan, ready.T_fixed_sensor, body_ ? body_->samples() : kNobody, assembled_);
-  if (!defect.empty()) return source_->countDrop("malformed");
+  const std::string dropped = assembler_->assemble(ready.scan, ready.T_fixed_sensor,
+                                                   body_ ? body_->samples() : kNobody, assembled_);
+  if (!dropped.empty()) return source_->countDrop(dropped);
   const BeamCounts counts = assembled_.counts();
   for (std::size_t i = 0; i < kBeamKinds; ++i) beams_[i] += counts[i];
   ++assembled_count_;

@@ -5,8 +5,20 @@
 
 namespace tccm {
 
+namespace {
+
+double unknownFraction(const AssembledScan& scan) {
+  const BeamCounts counts = scan.counts();
+  const std::size_t unknown = counts[static_cast<std::size_t>(BeamKind::kUnknown)] +
+                              counts[static_cast<std::size_t>(BeamKind::kTooClose)];
+  return static_cast<double>(unknown) / static_cast<double>(scan.beams.size());
+}
+
+}  // namespace
+
 void ScanAssembler::Config::validate() const {
   requireInRange("scan_beams_max", static_cast<double>(scan_beams_max), 1.0, 1e6);
+  requireInRange("scan_unknown_fraction_max", scan_unknown_fraction_max, 0.0, 1.0);
   mixed_pixel.validate();
   body.validate();
 }
@@ -20,9 +32,12 @@ std::string ScanAssembler::assemble(const LaserScan& scan, const PosePath& T_fix
                                     const std::vector<BodySample>& body,
                                     AssembledScan& result) const {
   result.beams.clear();
-  std::string defect = defectOf(scan, config_.scan_beams_max);
-  if (!defect.empty()) return defect;
-  if (!project(scan, T_fixed_sensor, result)) return "the sensor's poses do not cover it";
+  if (!defectOf(scan, config_.scan_beams_max).empty()) return "malformed";
+  if (!project(scan, T_fixed_sensor, result)) return "no_transform";
+  if (unknownFraction(result) > config_.scan_unknown_fraction_max) {
+    result.beams.clear();
+    return "blind";
+  }
   mixed_pixel_filter_.apply(result);
   body_filter_.apply(body, result);
   return {};

@@ -37,6 +37,8 @@ class CollisionChecker : public nodelet::Nodelet {
   void check();
   void publish();
   void publishPictures();
+  /// Whether simulated time stands still, so that nothing can grow old by it.
+  [[nodiscard]] bool clockStalls();
   void tellChange(const Verdict& verdict);
   bool checkState(tccm_monitor::CheckState::Request& request,
                   tccm_monitor::CheckState::Response& response);
@@ -63,6 +65,8 @@ class CollisionChecker : public nodelet::Nodelet {
   double check_us_ = 0.0;
   double check_us_max_ = 0.0;
   std::size_t checks_ = 0;
+  ros::Time clock_;            ///< at the last publication
+  ros::WallTime clock_moved_;  ///< when it last differed from the one before
   Reason told_ = Reason::kClear;
   bool told_anything_ = false;
   Level published_ = Level::kFault;

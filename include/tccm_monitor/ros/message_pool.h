@@ -7,8 +7,8 @@
 
 namespace tccm {
 
-/// Messages to be published by pointer, used again once every subscriber has let go of them: after a
-/// while nothing is allocated any more.
+/// Messages to be published by pointer, used again once every subscriber has let go of them: after
+/// a while nothing is allocated any more.
 template <typename Message>
 class MessagePool {
  public:

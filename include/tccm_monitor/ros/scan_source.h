@@ -30,7 +30,8 @@ class ScanSource {
     PosePath T_fixed_root;  ///< empty where no robot is filtered out
   };
 
-  /// A scan that cannot be projected at all is dropped here. @return empty, or what is wrong with it.
+  /// A scan that cannot be projected at all is dropped here. @return empty, or what is wrong with
+  /// it.
   std::string add(LaserScan scan, const std::string& frame, Time arrival);
   void clear();
 

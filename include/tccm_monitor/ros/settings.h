@@ -7,8 +7,8 @@
 
 namespace tccm {
 
-/// All that a nodelet is configured with: the core's configurations and what only the adapter needs.
-/// The defaults are the parameters' defaults; README.md lists them with their units.
+/// All that a nodelet is configured with: the core's configurations and what only the adapter
+/// needs. The defaults are the parameters' defaults; README.md lists them with their units.
 struct AssemblerSettings {
   std::string fixed_frame = "base_link";
   bool self_filter = true;  ///< false: no robot is filtered out, and none is needed

@@ -65,7 +65,7 @@ class TransformHistory {
   tf2::BufferCore& buffer_;
   Duration gap_max_;
   Duration kept_;
-  std::map<std::string, std::deque<Time>> stamps_;     ///< by child frame, ascending
+  std::map<std::string, std::deque<Time>> stamps_;  ///< by child frame, ascending
   std::map<std::string, std::string> parents_;
   std::map<std::string, bool> static_;
 };

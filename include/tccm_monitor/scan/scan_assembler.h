@@ -16,6 +16,9 @@ class ScanAssembler {
  public:
   struct Config {
     std::size_t scan_beams_max = 4096;
+    /// A scan of which more beams are unknown or too close than this says nothing about free space:
+    /// the sensor is blind, and the scan must not pass for one that saw nothing.
+    double scan_unknown_fraction_max = 0.9;
     MixedPixelFilter::Config mixed_pixel;
     BodyFilter::Config body;
 
@@ -29,7 +32,7 @@ class ScanAssembler {
   /// @param T_fixed_sensor the sensor's poses, covering the scan from first to last beam.
   /// @param body samples over the same time; empty where no robot is to be filtered.
   /// @param result reused; left without beams on failure.
-  /// @return empty, or why the scan must be dropped.
+  /// @return empty, or why the scan must be dropped: malformed, no_transform or blind.
   [[nodiscard]] std::string assemble(const LaserScan& scan, const PosePath& T_fixed_sensor,
                                      const std::vector<BodySample>& body,
                                      AssembledScan& result) const;
