@@ -15,6 +15,23 @@ std::string ageText(const std::string& what, Duration age) {
   return text;
 }
 
+/// A mimic joint whose position, as asked about, is not what its source makes it.
+std::optional<std::string> mimicThatContradicts(const RobotModel& model,
+                                                const std::vector<double>& variables,
+                                                const std::vector<std::string>& names,
+                                                const std::vector<double>& positions) {
+  constexpr double kTolerance = 1e-3;  // [rad or m]
+  for (const RobotJoint& joint : model.joints()) {
+    if (joint.motion == RobotJoint::Motion::kFixed) continue;
+    const auto named = std::find(names.begin(), names.end(), joint.name);
+    if (named == names.end()) continue;
+    const double follows = joint.multiplier * variables[joint.variable] + joint.offset;
+    const double asked = positions[static_cast<std::size_t>(named - names.begin())];
+    if (std::abs(asked - follows) > kTolerance) return joint.name;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 void Checker::Config::validate() const {
@@ -59,7 +76,11 @@ void Checker::setRootPose(Time stamp, const Pose& T_fixed_root, bool is_static) 
 void Checker::setMap(Time now, std::shared_ptr<const CuboidMap> map) {
   if (map_ && map->stamp > map_->stamp) {
     const double period = toSeconds(map->stamp - map_->stamp);
-    scan_period_s_ = scan_period_s_ ? 0.9 * *scan_period_s_ + 0.1 * period : period;
+    // One pause must not teach it to be patient.
+    scan_period_s_ =
+        scan_period_s_ ? 0.9 * *scan_period_s_ +
+                             0.1 * std::min(period, config_.scan_timeout_periods * *scan_period_s_)
+                       : period;
   }
   map_ = std::move(map);
   map_arrival_ = now;
@@ -80,15 +101,18 @@ bool Checker::within(Time now, double seconds) const {
 
 Checker::Cause Checker::jointsCause(Time now, const JointSnapshot* joints) const {
   if (!joints) {
-    if (within(now, config_.joint_timeout_s)) return {Reason::kInit, "waiting for joint states", {}};
+    if (within(now, config_.joint_timeout_s))
+      return {Reason::kInit, "waiting for joint states", {}};
     const auto missing = joints_.missingJoint();
     return {Reason::kNoJoints,
-            missing ? "joint '" + *missing + "' was never published" : "no joint states", {}};
+            missing ? "joint '" + *missing + "' was never published" : "no joint states",
+            {}};
+  }
+  const Duration lead = joints->newest - now;
+  if (lead > fromSeconds(config_.future_max_s)) {
+    return {Reason::kFuture, ageText("a joint state is stamped in the future,", -lead), {}};
   }
   const Duration age = now - joints->oldest;
-  if (-age > fromSeconds(config_.future_max_s)) {
-    return {Reason::kFuture, ageText("a joint state is stamped in the future,", age), {}};
-  }
   if (age > fromSeconds(config_.joint_timeout_s)) {
     return {Reason::kNoJoints, ageText("a joint's last position is", age), {}};
   }
@@ -115,14 +139,16 @@ Checker::Cause Checker::rootCause(Time now) const {
 
 Checker::Cause Checker::mapCause(Time now) const {
   if (!map_) {
-    if (within(now, config_.map_age_max_s)) return {Reason::kInit, "waiting for the first scan", {}};
+    if (within(now, config_.map_age_max_s))
+      return {Reason::kInit, "waiting for the first scan", {}};
     return {Reason::kNoMap, "no scan was ever mapped", {}};
   }
   const Duration age = now - map_->stamp;
   if (-age > fromSeconds(config_.future_max_s)) {
     return {Reason::kFuture, ageText("the newest scan is stamped in the future,", age), {}};
   }
-  const double silence_s = scan_period_s_ ? config_.scan_timeout_periods * *scan_period_s_
+  const double silence_s = scan_period_s_ ? std::min(config_.scan_timeout_periods * *scan_period_s_,
+                                                     config_.map_age_max_s)
                                           : config_.map_age_max_s;
   if (now - map_arrival_ > fromSeconds(silence_s)) {
     return {Reason::kNoMap, ageText("no scan was mapped lately: the last is", age), {}};
@@ -136,6 +162,7 @@ Checker::Cause Checker::mapCause(Time now) const {
 }
 
 Checker::Cause Checker::inputCause(Time now, const JointSnapshot* joints) const {
+  if (clock_stalls_) return {Reason::kNoClock, "simulated time stands still", {}};
   return std::max({jointsCause(now, joints), rootCause(now), mapCause(now)},
                   [](const Cause& a, const Cause& b) { return a.reason < b.reason; });
 }
@@ -144,8 +171,8 @@ Checker::Cause Checker::findingsCause(const PoseFindings& findings, bool ahead) 
   const std::string when = ahead ? " ahead" : "";
   if (findings.collision) {
     const std::string& link = model_->linkOf(findings.contacts.front().shape);
-    return {ahead ? Reason::kCollisionAhead : Reason::kCollision,
-            link + " touches the map" + when, link};
+    return {ahead ? Reason::kCollisionAhead : Reason::kCollision, link + " touches the map" + when,
+            link};
   }
   if (findings.occlusion) {
     const auto worst = std::min_element(
@@ -172,7 +199,14 @@ void Checker::lookAhead(const JointSnapshot& joints) {
 }
 
 const Verdict& Checker::check(Time now) {
-  if (started_ && now < verdict_.stamp) reset();
+  if (started_ && now < verdict_.stamp) {
+    // A clock that is set back by a little goes on from where it was.
+    if (verdict_.stamp - now > fromSeconds(config_.future_max_s)) {
+      reset();
+    } else {
+      now = verdict_.stamp;
+    }
+  }
   if (!started_) started_ = now;
   const JointSnapshot* joints = joints_.latest();
   verdict_.stamp = now;
@@ -188,9 +222,9 @@ const Verdict& Checker::check(Time now) {
     check_ahead_.check(*map_, positions_ahead_, root_->T_fixed_root, verdict_.ahead);
     verdict_.collision = verdict_.now.collision || verdict_.ahead.collision;
     verdict_.occlusion = verdict_.now.occlusion || verdict_.ahead.occlusion;
-    const Cause finding = std::max(
-        findingsCause(verdict_.now, false), findingsCause(verdict_.ahead, true),
-        [](const Cause& a, const Cause& b) { return a.reason < b.reason; });
+    const Cause finding =
+        std::max(findingsCause(verdict_.now, false), findingsCause(verdict_.ahead, true),
+                 [](const Cause& a, const Cause& b) { return a.reason < b.reason; });
     if (finding.reason > cause.reason) cause = finding;
   } else {
     verdict_.now = {};
@@ -212,8 +246,8 @@ void Checker::decide(const Cause& cause) {
     } else {
       last_stop_.reset();
     }
-  } else if (cause.reason != Reason::kClear && cause.reason != Reason::kInit) {
-    last_stop_ = verdict_.stamp;
+  } else if (cause.reason != Reason::kClear && (cause.reason != Reason::kInit || last_stop_)) {
+    last_stop_ = verdict_.stamp;  // what is not known to be clear does not count towards release
   }
   verdict_.level = levelOf(verdict_.reason);
   verdict_.stop = verdict_.level != Level::kOk;
@@ -231,7 +265,8 @@ Checker::StateAnswer Checker::checkState(Time now, const std::vector<std::string
     return answer;
   };
   if (names.empty() || names.size() != positions.size()) {
-    return refuse(Reason::kBadQuestion, "as many positions as joint names are needed, and one at least");
+    return refuse(Reason::kBadQuestion,
+                  "as many positions as joint names are needed, and one at least");
   }
   if (fault.reason != Reason::kClear) return refuse(fault.reason, fault.detail);
   std::vector<double> asked = joints->positions;
@@ -243,6 +278,10 @@ Checker::StateAnswer Checker::checkState(Time now, const std::vector<std::string
     for (std::size_t v = 0; v < asked.size(); ++v) {
       if (model_->variables()[v].name == names[i]) asked[v] = positions[i];
     }
+  }
+  if (const auto contradiction = mimicThatContradicts(*model_, asked, names, positions)) {
+    return refuse(Reason::kBadQuestion,
+                  "joint '" + *contradiction + "' does not follow the joint that it mimics");
   }
   check_state_.check(*map_, asked, root_->T_fixed_root, answer.findings);
   const Cause found = findingsCause(answer.findings, false);

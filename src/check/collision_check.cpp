@@ -6,7 +6,7 @@
 namespace tccm {
 
 void CollisionCheck::Config::validate() const {
-  requireInRange("support_points", support_points, 1, 1000);
+  requireInRange("support_points", support_points, 1, 20);
   requireInRange("support_height_m", support_height_m, 0.0, 1.0);
   requireInRange("contacts_max", contacts_max, 1, 100000);
 }
@@ -33,9 +33,8 @@ void CollisionCheck::findOf(const CuboidMap& map, const Body& body, std::uint32_
       const Cuboid& cuboid = map.cuboids[k];
       if (cuboid.top < low || cuboid.bottom > high) continue;
       if (!overlaps(body.shapes[shape], body.poses[shape], map.box(cuboid))) continue;
-      if (config_.support_points > 1 &&
-          supportOf(map, cuboid, config_.support_height_m) <
-              static_cast<std::uint32_t>(config_.support_points)) {
+      if (config_.support_points > 1 && supportOf(map, cuboid, config_.support_height_m) <
+                                            static_cast<std::uint32_t>(config_.support_points)) {
         continue;
       }
       if (contacts_.size() == static_cast<std::size_t>(config_.contacts_max)) return;

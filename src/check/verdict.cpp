@@ -30,6 +30,8 @@ const char* name(Reason reason) {
       return "NO_TRANSFORM";
     case Reason::kFuture:
       return "FUTURE_STAMP";
+    case Reason::kNoClock:
+      return "NO_CLOCK";
     case Reason::kBadQuestion:
       return "BAD_QUESTION";
   }

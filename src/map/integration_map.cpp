@@ -8,8 +8,7 @@ namespace tccm {
 
 void IntegrationMap::Config::validate() const {
   grid.validate();
-  requireInRange("thickness_m", thickness_m, grid.height_quantum_m,
-                 2000.0 * grid.height_quantum_m);
+  requireInRange("thickness_m", thickness_m, grid.height_quantum_m, 2000.0 * grid.height_quantum_m);
   requireInRange("window_scans_max", static_cast<double>(scans_max), 1.0, 100000.0);
   requireInRange("window_returns_max", static_cast<double>(returns_max), 1.0, 1e8);
   requireInRange("intervals_max", static_cast<double>(intervals_max), 2.0, 1e8);

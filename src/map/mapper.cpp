@@ -23,9 +23,9 @@ Mapper::Mapper(const Config& config)
     : config_((config.validate(), config)), map_(config.map), tilt_(config.tilt) {}
 
 Mapper::Outcome Mapper::add(const ScanReturns& scan) {
+  if (!scan.viewpoint.allFinite() || !std::isfinite(scan.tilt)) return {"bad_viewpoint", {}};
   if (newest_ && *newest_ - scan.stamp > fromSeconds(config_.time_jump_back_s)) clear();
   if (newest_ && scan.stamp <= *newest_) return {"out_of_order", {}};
-  if (!scan.viewpoint.allFinite() || !std::isfinite(scan.tilt)) return {"bad_viewpoint", {}};
   if (!newest_ || scan.stamp - *newest_ > fromSeconds(config_.scan_gap_max_s)) {
     unbroken_since_ = scan.stamp;
     tilt_.reset();
@@ -42,6 +42,7 @@ void Mapper::clear() {
   map_.clear();
   tilt_.reset();
   newest_.reset();
+  last_expired_.reset();
 }
 
 std::optional<Duration> Mapper::window() const {
@@ -56,7 +57,10 @@ void Mapper::expire() {
     return;
   }
   const auto length = window();
-  while (length && *newest_ - map_.oldestStamp() > *length) map_.expireOldest();
+  while (length && *newest_ - map_.oldestStamp() > *length) {
+    last_expired_ = map_.oldestStamp();
+    map_.expireOldest();
+  }
 }
 
 bool Mapper::complete() const {
@@ -68,6 +72,11 @@ bool Mapper::complete() const {
   }
   const auto length = window();
   if (!length || *newest_ - unbroken_since_ < *length) return false;
+  if (config_.window_s == 0.0) {
+    if (!tilt_.isAlive(*newest_)) return false;
+    // A window that has grown lacks what left it while it was shorter.
+    if (last_expired_ && *last_expired_ > *newest_ - *tilt_.period()) return false;
+  }
   // Where the window needs more scans than there is memory for, its oldest part is missing.
   return map_.scans() < config_.map.scans_max;
 }

@@ -8,8 +8,9 @@ namespace tccm {
 ReturnCounts::ReturnCounts(const Grid& grid, Height layer)
     : lowest_(grid.heightFloor(grid.config().height_min_m)),
       layer_(layer),
-      layers_(static_cast<std::size_t>(
-                  (grid.heightCeil(grid.config().height_max_m) - lowest_) / layer) + 1),
+      layers_(static_cast<std::size_t>((grid.heightCeil(grid.config().height_max_m) - lowest_) /
+                                       layer) +
+              1),
       counts_(grid.cells() * layers_, 0) {
   assert(layer >= 1);
 }

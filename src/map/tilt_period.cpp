@@ -12,9 +12,21 @@ void TiltPeriod::Config::validate() const {
 
 TiltPeriod::TiltPeriod(const Config& config) : config_(config) { config_.validate(); }
 
-void TiltPeriod::TurningPoints::add(Time stamp) {
-  if (last) period = stamp - *last;
-  last = stamp;
+void TiltPeriod::Longest::add(Duration duration) {
+  last_[count_ % last_.size()] = duration;
+  ++count_;
+}
+
+std::optional<Duration> TiltPeriod::Longest::get() const {
+  if (count_ == 0) return std::nullopt;
+  const std::size_t filled = std::min(count_, last_.size());
+  return *std::max_element(last_.begin(), last_.begin() + static_cast<std::ptrdiff_t>(filled));
+}
+
+void TiltPeriod::turn(Time stamp, TurningPoints& points) {
+  if (points.last) points.period.add(stamp - *points.last);
+  if (last_turn_) stroke_.add(stamp - *last_turn_);
+  points.last = last_turn_ = stamp;
 }
 
 void TiltPeriod::reset() { *this = TiltPeriod(config_); }
@@ -30,12 +42,12 @@ void TiltPeriod::add(Time stamp, double tilt) {
   }
   if (direction_ >= 0 && *highest_ - tilt > config_.hysteresis_rad) {
     // Where the tilt was first seen is no turning point: it may have been halfway.
-    if (direction_ > 0) upper_.add(highest_stamp_);
+    if (direction_ > 0) turn(highest_stamp_, upper_);
     direction_ = -1;
     lowest_ = tilt;
     lowest_stamp_ = stamp;
   } else if (direction_ <= 0 && tilt - *lowest_ > config_.hysteresis_rad) {
-    if (direction_ < 0) lower_.add(lowest_stamp_);
+    if (direction_ < 0) turn(lowest_stamp_, lower_);
     direction_ = 1;
     highest_ = tilt;
     highest_stamp_ = stamp;
@@ -43,8 +55,14 @@ void TiltPeriod::add(Time stamp, double tilt) {
 }
 
 std::optional<Duration> TiltPeriod::period() const {
-  if (!upper_.period || !lower_.period) return upper_.period ? upper_.period : lower_.period;
-  return std::max(*upper_.period, *lower_.period);
+  const auto upper = upper_.period.get(), lower = lower_.period.get();
+  if (!upper || !lower) return upper ? upper : lower;
+  return std::max(*upper, *lower);
+}
+
+bool TiltPeriod::isAlive(Time now) const {
+  const auto whole = period(), stroke = stroke_.get();
+  return whole && stroke && now - *last_turn_ <= *stroke + *whole / 4;
 }
 
 }  // namespace tccm

@@ -7,6 +7,11 @@
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
+namespace {
+
+constexpr double kLargest = 1e6;  // [rad, m, 1/s]; beyond it is no joint's position or velocity
+
+}  // namespace
 
 void JointStates::Config::validate() const {
   requireInRange("joint_gap_max_s", gap_max_s, 1e-3, 10.0);
@@ -46,7 +51,7 @@ JointStates::Added JointStates::add(Time stamp, const std::vector<std::string>& 
     if (found == index_.end()) continue;
     Track& track = tracks_[found->second];
     if (track.count > 0 && track.newest(0).stamp - stamp > fromSeconds(config_.gap_max_s)) reset();
-    const bool usable = i < positions.size() && std::isfinite(positions[i]) &&
+    const bool usable = i < positions.size() && std::abs(positions[i]) <= kLargest &&
                         (track.count == 0 || track.newest(0).stamp < stamp);
     if (!usable) {
       ++added.refused;
@@ -70,7 +75,7 @@ std::optional<std::string> JointStates::missingJoint() const {
 
 double JointStates::velocityOf(const Track& track) const {
   const Sample& newest = track.newest(0);
-  const double reported = std::isfinite(newest.velocity) ? newest.velocity : 0.0;
+  const double reported = std::abs(newest.velocity) <= kLargest ? newest.velocity : 0.0;
   double differentiated = 0.0;
   for (std::size_t k = 1; k < track.count; ++k) {
     const double dt = toSeconds(newest.stamp - track.newest(k).stamp);
@@ -83,9 +88,10 @@ double JointStates::velocityOf(const Track& track) const {
 
 const JointSnapshot* JointStates::latest() {
   if (missingJoint() || !last_message_) return nullptr;
-  snapshot_.oldest = *last_message_;
+  snapshot_.oldest = snapshot_.newest = *last_message_;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     snapshot_.oldest = std::min(snapshot_.oldest, tracks_[i].newest(0).stamp);
+    snapshot_.newest = std::max(snapshot_.newest, tracks_[i].newest(0).stamp);
     snapshot_.positions[i] = tracks_[i].newest(0).position;
     snapshot_.velocities[i] = velocityOf(tracks_[i]);
   }

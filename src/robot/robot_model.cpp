@@ -61,9 +61,10 @@ Shape toShape(const urdf::Geometry& geometry, bool as_capsule, const std::string
       shape = Sphere{dynamic_cast<const urdf::Sphere&>(geometry).radius};
       break;
     default:
-      throw ConfigError(owner +
-                        ": its collision element is a mesh; only box, cylinder and sphere can be "
-                        "monitored (leave the link out of monitored_links, or give it a primitive)");
+      throw ConfigError(
+          owner +
+          ": its collision element is a mesh; only box, cylinder and sphere can be "
+          "monitored (leave the link out of monitored_links, or give it a primitive)");
   }
   validate(shape, owner);
   return shape;
@@ -115,7 +116,9 @@ RobotJoint::Motion motionOf(const urdf::Joint& joint) {
 
 JointVariable variableOf(const urdf::Joint& joint) {
   JointVariable variable{joint.name, std::nullopt, std::nullopt};
-  if (joint.type != urdf::Joint::CONTINUOUS && joint.limits) {
+  // A <limit> that states neither end is read as 0, 0: that is no limit.
+  const bool stated = joint.limits && (joint.limits->lower != 0.0 || joint.limits->upper != 0.0);
+  if (joint.type != urdf::Joint::CONTINUOUS && stated) {
     variable.lower = joint.limits->lower;
     variable.upper = joint.limits->upper;
     if (!(*variable.lower <= *variable.upper)) {
@@ -187,8 +190,8 @@ class TreeBuilder {
     joint.motion = motionOf(*urdf_joint);
     joint.child = child;
     joint.parent = indexOf(urdf_joint->parent_link_name);
-    joint.T_parent_joint = toPose(urdf_joint->parent_to_joint_origin_transform,
-                                  "joint '" + urdf_joint->name + "'");
+    joint.T_parent_joint =
+        toPose(urdf_joint->parent_to_joint_origin_transform, "joint '" + urdf_joint->name + "'");
     if (joint.motion != RobotJoint::Motion::kFixed) addMotion(urdf_joint, joint);
     joints.push_back(joint);
   }
@@ -215,8 +218,7 @@ class TreeBuilder {
   }
 
   [[nodiscard]] std::size_t indexOf(const std::string& link) const {
-    return static_cast<std::size_t>(std::find(links_.begin(), links_.end(), link) -
-                                    links_.begin());
+    return static_cast<std::size_t>(std::find(links_.begin(), links_.end(), link) - links_.begin());
   }
 
   const urdf::ModelInterface& urdf_;
@@ -246,10 +248,9 @@ RobotModel::RobotModel(const std::string& urdf_text, const Config& config) {
     const std::string owner = "link '" + links_[i] + "'";
     for (const auto& collision : collisionsOf(*urdf->getLink(links_[i]))) {
       if (!collision->geometry) throw ConfigError(owner + ": its collision element has no shape");
-      shapes_.push_back({i,
-                         toShape(*collision->geometry,
-                                 matchesAny(config.capsule_links, links_[i]), owner),
-                         toPose(collision->origin, owner)});
+      shapes_.push_back(
+          {i, toShape(*collision->geometry, matchesAny(config.capsule_links, links_[i]), owner),
+           toPose(collision->origin, owner)});
     }
   }
 }

@@ -27,6 +27,16 @@ std_msgs::Bool flag(bool value) {
   return message;
 }
 
+void write(const Checker::Config& config, tccm_monitor::CollisionCheckerConfig& shown) {
+  shown.collision_padding_m = config.pose.expansion.padding_m;
+  shown.primitive_scale = config.pose.expansion.scale;
+  shown.horizon_s = config.horizon_s;
+  shown.support_points = config.pose.collision.support_points;
+  shown.check_occlusion = config.pose.check_occlusion;
+  shown.occlusion_hidden_fraction = config.pose.occlusion.hidden_fraction;
+  shown.release_s = config.release_s;
+}
+
 std::uint8_t resultOf(Reason reason) {
   using Response = tccm_monitor::CheckState::Response;
   switch (reason) {
@@ -76,6 +86,7 @@ void CollisionChecker::setUp() {
   setUpReconfiguration();
   publish_timer_ = node.createWallTimer(ros::WallDuration(1.0 / settings_.publish_rate_hz),
                                         [this](const ros::WallTimerEvent&) {
+                                          checker_->setClockStalls(clockStalls());
                                           check();
                                           publish();
                                         });
@@ -121,7 +132,11 @@ void CollisionChecker::receiveTransforms() {
 
 void CollisionChecker::check() {
   const ros::Time now = ros::Time::now();
-  if (now.isZero()) return;  // simulated time has not begun
+  if (now.isZero()) {  // simulated time has not begun, or begins anew
+    checker_->reset();
+    verdict_ = nullptr;
+    return;
+  }
   // Where fixed frame and root are one, no transform has to be heard.
   if (withoutSlash(settings_.fixed_frame) == checker_->model().rootLink()) {
     checker_->setRootPose(Time(), Pose::Identity(), true);
@@ -159,10 +174,9 @@ bool CollisionChecker::clockStalls() {
 }
 
 void CollisionChecker::publish() {
-  const bool stalls = clockStalls();
-  const bool known = !stalls && verdict_ && verdict_->known;
-  published_ = verdict_ && !stalls ? verdict_->level : Level::kFault;
-  stop_publisher_.publish(flag(stalls || !verdict_ || verdict_->stop));
+  const bool known = verdict_ && verdict_->known;
+  published_ = verdict_ ? verdict_->level : Level::kFault;
+  stop_publisher_.publish(flag(!verdict_ || verdict_->stop));
   // What is not known is not clear.
   collision_publisher_.publish(flag(!known || verdict_->collision));
   occlusion_publisher_.publish(flag(!known || verdict_->occlusion));
@@ -174,13 +188,6 @@ void CollisionChecker::publish() {
     status.stop = true;
     status.reason = tccm::name(Reason::kInit);
     status.detail = kNoTimeYet;
-  }
-  if (stalls) {
-    status.level = tccm_monitor::MonitorStatus::FAULT;
-    status.stop = true;
-    status.known = false;
-    status.reason = "NO_CLOCK";
-    status.detail = "simulated time stands still";
   }
   status.header.frame_id = withoutSlash(settings_.fixed_frame);
   status.scan_to_verdict_s = static_cast<float>(scan_to_verdict_s_);
@@ -231,14 +238,7 @@ void CollisionChecker::setUpReconfiguration() {
       reconfiguration_mutex_, getPrivateNodeHandle());
   Reconfiguration current;
   reconfiguration_->getConfigDefault(current);
-  const Checker::Config& checker = settings_.checker;
-  current.collision_padding_m = checker.pose.expansion.padding_m;
-  current.primitive_scale = checker.pose.expansion.scale;
-  current.horizon_s = checker.horizon_s;
-  current.support_points = checker.pose.collision.support_points;
-  current.check_occlusion = checker.pose.check_occlusion;
-  current.occlusion_hidden_fraction = checker.pose.occlusion.hidden_fraction;
-  current.release_s = checker.release_s;
+  write(settings_.checker, current);
   reconfiguration_->updateConfig(current);
   reconfiguration_->setCallback(
       [this](Reconfiguration& wanted, std::uint32_t level) { reconfigure(wanted, level); });
@@ -257,6 +257,7 @@ void CollisionChecker::reconfigure(Reconfiguration& wanted, std::uint32_t /*leve
     checker_->reconfigure(config);
   } catch (const ConfigError& error) {
     NODELET_ERROR("Refused: %s", error.what());
+    write(checker_->config(), wanted);  // what is shown is what is in force
   }
 }
 

@@ -148,6 +148,21 @@ std::string fromMessages(const std::vector<tccm_monitor::Cuboid>& messages, Cubo
 
 }  // namespace
 
+ros::Time toRos(Time time) {
+  constexpr Duration kLast = std::chrono::seconds(std::numeric_limits<std::uint32_t>::max());
+  ros::Time result;
+  result.fromNSec(static_cast<std::uint64_t>(
+      std::clamp(time.time_since_epoch(), Duration::zero(), kLast).count()));
+  return result;
+}
+
+ros::Duration toRos(Duration duration) {
+  constexpr Duration kLongest = std::chrono::seconds(std::numeric_limits<std::int32_t>::max());
+  ros::Duration result;
+  result.fromNSec(std::clamp(duration, -kLongest, kLongest).count());
+  return result;
+}
+
 LaserScan fromMessage(const sensor_msgs::LaserScan& message) {
   LaserScan scan;
   scan.stamp = toTime(message.header.stamp);
@@ -192,7 +207,8 @@ std::string fromMessage(const sensor_msgs::PointCloud2& message, ScanReturns& re
   std::string missing = missingField(message);
   if (!missing.empty()) return missing;
   const std::size_t count = static_cast<std::size_t>(message.width) * message.height;
-  if (count == 0 || message.data.size() < count * message.point_step || message.is_bigendian) {
+  if (count == 0 || message.point_step == 0 || count > message.data.size() / message.point_step ||
+      message.is_bigendian) {
     return "it has no points, fewer bytes than it says, or big-endian numbers";
   }
   returns.stamp = toTime(message.header.stamp);

@@ -53,6 +53,11 @@ Status ScanSource::place(Waiting& waiting, const JointStates* joints) {
 
 const ScanSource::Ready* ScanSource::next(const JointStates* joints, Time now) {
   while (!waiting_.empty()) {
+    if (now < waiting_.front().arrival) {  // time began anew
+      ++dropped_["time_jump"];
+      waiting_.pop_front();
+      continue;
+    }
     const Status status = place(waiting_.front(), joints);
     if (status == Status::kNotYet && now - waiting_.front().arrival <= wait_max_) return nullptr;
     Waiting scan = std::move(waiting_.front());

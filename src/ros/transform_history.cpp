@@ -29,6 +29,17 @@ std::vector<std::string> chainOf(const std::map<std::string, std::string>& paren
   return chain;
 }
 
+/// Quaternions are often written with three digits. tf2 takes those for rotations and refuses what
+/// is further off, which is left as it is here.
+void normalize(geometry_msgs::Quaternion& q) {
+  const double length = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
+  if (!(std::abs(length - 1.0) < 5e-3)) return;
+  q.x /= length;
+  q.y /= length;
+  q.z /= length;
+  q.w /= length;
+}
+
 }  // namespace
 
 std::string withoutSlash(const std::string& frame) {
@@ -43,6 +54,7 @@ void TransformHistory::add(const tf2_msgs::TFMessage& message, bool is_static) {
   for (geometry_msgs::TransformStamped transform : message.transforms) {
     transform.header.frame_id = withoutSlash(transform.header.frame_id);
     transform.child_frame_id = withoutSlash(transform.child_frame_id);
+    normalize(transform.transform.rotation);
     const Time stamp = toTime(transform.header.stamp);
     if (!is_static && jumpsBack(transform.child_frame_id, stamp)) clear();
     if (!buffer_.setTransform(transform, "tccm_monitor", is_static)) continue;

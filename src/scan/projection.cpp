@@ -6,6 +6,8 @@
 namespace tccm {
 namespace {
 
+constexpr Duration kLongestScan = std::chrono::seconds(1);
+
 BeamKind kindOf(float range, const LaserScan& scan) {
   if (std::isnan(range)) return BeamKind::kUnknown;
   if (range < scan.range_min || range == 0.0F) return BeamKind::kTooClose;
@@ -37,6 +39,7 @@ std::string defectOf(const LaserScan& scan, std::size_t max_beams) {
     return "range_min and range_max contradict each other";
   }
   if (scan.time_increment < Duration::zero()) return "time_increment is negative";
+  if (scan.lastBeamTime() - scan.stamp > kLongestScan) return "it takes longer than a second";
   return {};
 }
 

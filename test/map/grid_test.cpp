@@ -286,8 +286,9 @@ TEST(Grid, PlacesAReturnWhereTheRoundedPositionNamesCellAndHeight) {
     const auto along = [&](double size) {
       return coin(engine) ? anywhere(engine) : cell(engine) * size + hair(engine);
     };
-    const Vector3 p(along(0.02), along(0.02),
-                    coin(engine) ? anywhere(engine) : (quantum(engine) + 0.5) * 1e-3 + hair(engine));
+    const Vector3 p(
+        along(0.02), along(0.02),
+        coin(engine) ? anywhere(engine) : (quantum(engine) + 0.5) * 1e-3 + hair(engine));
     const Vector3 rounded(Grid::toMicrometre(p.x()), Grid::toMicrometre(p.y()),
                           Grid::toMicrometre(p.z()));
     const auto expected = grid.cellOf(rounded);

@@ -132,6 +132,56 @@ TEST(MapperTest, ATiltThatStandsStillNeverMakesTheMapComplete) {
   }
 }
 
+/// Scans from `first` to `last` at the tilt that `tilt` gives; the last stamp at which the map was
+/// complete.
+template <typename Tilt>
+double lastComplete(Mapper& mapper, double first, double last, Tilt&& tilt) {
+  double complete = -1.0;
+  for (int i = 0; first + i * kScanPeriod <= last; ++i) {
+    const double stamp = first + i * kScanPeriod;
+    ScanReturns scan = scanAt(stamp);
+    scan.tilt = tilt(stamp);
+    mapper.add(scan);
+    if (isComplete(mapper)) complete = stamp;
+  }
+  return complete;
+}
+
+TEST(MapperTest, ATiltThatStopsMakesTheMapIncompleteThoughScansKeepComing) {
+  Mapper mapper(smallMap());
+  EXPECT_GT(lastComplete(mapper, 0.0, 10.0, tiltAt), 9.97);
+  // The last turning point was at 10.0; strokes take 1 s.
+  const double frozen = lastComplete(mapper, 10.025, 30.0, [](double) { return 0.1; });
+  EXPECT_NEAR(frozen, 11.5, 0.15);
+  EXPECT_GT(lastComplete(mapper, 30.025, 40.0, tiltAt), 39.97) << "it recovers";
+}
+
+TEST(MapperTest, AWindowThatGrowsIsCompleteOnlyOnceItHoldsAPeriodAgain) {
+  Mapper mapper(smallMap());
+  lastComplete(mapper, 0.0, 10.0, tiltAt);
+  // From 10 s on the tilt takes twice as long.
+  for (int i = 1; i <= 1200; ++i) {
+    const double stamp = 10.0 + i * kScanPeriod;
+    ScanReturns scan = scanAt(stamp);
+    scan.tilt = tiltAt(10.0 + 0.5 * (stamp - 10.0));
+    mapper.add(scan);
+    const CuboidMap map = snapshotOf(mapper);
+    if (stamp < 14.2 || !map.complete) continue;  // until then it may still take 3 s
+    ASSERT_GE(toSeconds(map.window), 2.0 * kTiltPeriod - 2.0 * kScanPeriod) << stamp;
+  }
+  EXPECT_TRUE(isComplete(mapper));
+}
+
+TEST(MapperTest, AStepBackAmidAStrokeDoesNotShrinkTheWindow) {
+  Mapper mapper(smallMap());
+  lastComplete(mapper, 0.0, 10.0, tiltAt);
+  lastComplete(mapper, 10.025, 14.0, [](double stamp) {
+    return tiltAt(stamp) - (stamp > 10.5 && stamp < 10.6 ? 0.2 : 0.0);
+  });
+  EXPECT_GE(toSeconds(*mapper.window()), 1.1 * kTiltPeriod - 0.05);
+  EXPECT_GE(toSeconds(snapshotOf(mapper).window), kTiltPeriod);
+}
+
 TEST(MapperTest, AfterAGapTheWindowHasToFillAgain) {
   for (const int scans : {0, 4}) {
     Mapper::Config config = smallMap();
@@ -139,9 +189,9 @@ TEST(MapperTest, AfterAGapTheWindowHasToFillAgain) {
     Mapper mapper(config);
     const auto first = completeFrom(mapper, 0.0, 10.0);
     ASSERT_TRUE(first);
-    mapper.add(scanAt(*first + 0.49));
+    mapper.add(scanAt(*first + 0.24));
     EXPECT_TRUE(isComplete(mapper)) << "no longer than allowed";
-    const double after_gap = *first + 0.49 + 0.51;
+    const double after_gap = *first + 0.24 + 0.26;
     mapper.add(scanAt(after_gap));
     EXPECT_FALSE(isComplete(mapper));
     const auto again = completeFrom(mapper, after_gap + kScanPeriod, after_gap + 10.0);

@@ -21,10 +21,10 @@ class Checker {
     JointStates::Config joints;
     double horizon_s = 0.5;  ///< how far ahead the second pose lies (paper, section VI.B)
     double joint_timeout_s = 0.1;
-    double transform_timeout_s = 0.5;  ///< age of the root's pose
-    double scan_timeout_periods = 3.0; ///< without a new map, in measured scan periods
-    double map_age_max_s = 0.5;        ///< from the newest scan's stamp to the check
-    double future_max_s = 0.1;         ///< a stamp may lead the check by this much
+    double transform_timeout_s = 0.5;     ///< age of the root's pose
+    double scan_timeout_periods = 3.0;    ///< without a new map, in measured scan periods
+    double map_age_max_s = 0.5;           ///< from the newest scan's stamp to the check
+    double future_max_s = 0.1;            ///< a stamp may lead the check by this much
     double transform_future_max_s = 0.5;  ///< the same of a transform; many publishers date ahead
     /// Clear for so long before a stop is released; never less than the map's window.
     double release_s = 0.0;
@@ -48,6 +48,8 @@ class Checker {
   /// The robot's root in the fixed frame. One that does not move (the same frame, or static
   /// transforms alone) never grows old.
   void setRootPose(Time stamp, const Pose& T_fixed_root, bool is_static);
+  /// Whether the clock that gives `now` stands still, as a player's or simulation's may.
+  void setClockStalls(bool stalls) { clock_stalls_ = stalls; }
   void setMap(Time now, std::shared_ptr<const CuboidMap> map);
   /// As at the start: after time has jumped back.
   void reset();
@@ -105,6 +107,7 @@ class Checker {
   std::optional<double> scan_period_s_;  ///< the mean of the recent ones
   std::optional<Time> started_;          ///< the first check
   std::optional<RootPose> root_;
+  bool clock_stalls_ = false;
   std::vector<double> positions_ahead_;
   std::optional<Time> last_stop_;  ///< the last check that was not clear, INIT apart
   Verdict verdict_;

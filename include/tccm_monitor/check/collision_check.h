@@ -14,9 +14,9 @@ struct Contact {
   std::uint32_t cuboid;  ///< index into the map's cuboids
 };
 
-/// Finds the cuboids that a robot's primitives touch (paper, section IV.A): the primitives' footprints
-/// name the cells, an exact test decides. Single false points are told from obstacles by support:
-/// returns of the window near a contact, in whichever scan.
+/// Finds the cuboids that a robot's primitives touch (paper, section IV.A): the primitives'
+/// footprints name the cells, an exact test decides. Single false points are told from obstacles by
+/// support: returns of the window near a contact, in whichever scan.
 class CollisionCheck {
  public:
   struct Config {

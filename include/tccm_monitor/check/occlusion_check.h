@@ -34,8 +34,8 @@ class OcclusionCheck {
   };
 
   struct Result {
-    std::vector<LinkVisibility> links;    ///< in the order of the links handed over
-    std::vector<std::uint32_t> cuboids;   ///< those that hide a part of any link
+    std::vector<LinkVisibility> links;   ///< in the order of the links handed over
+    std::vector<std::uint32_t> cuboids;  ///< those that hide a part of any link
     [[nodiscard]] const LinkVisibility* worst() const;
   };
 

@@ -16,19 +16,20 @@ enum class Level : std::uint8_t { kOk = 0, kStop = 2, kFault = 3 };
 /// Why the level is what it is; of several the last in this list.
 enum class Reason : std::uint8_t {
   kClear,
-  kReleasing,      ///< clear, but not for long enough
-  kInit,           ///< the map does not hold a whole window yet
-  kOcclusionAhead, ///< at the pose horizon_s ahead
+  kReleasing,       ///< clear, but not for long enough
+  kInit,            ///< the map does not hold a whole window yet
+  kOcclusionAhead,  ///< at the pose horizon_s ahead
   kOcclusion,
   kCollisionAhead,
   kCollision,
-  kMapOverflow,    ///< points were left out of the map
-  kNoMap,          ///< no scan for too long
-  kMapLate,        ///< scans come, but what is in the map is too old
-  kNoJoints,       ///< a joint was never heard of, or not for too long
-  kNoTransform,    ///< the robot's root in the fixed frame is unknown or too old
-  kFuture,         ///< a map or joint state is stamped in the future
-  kBadQuestion,    ///< a state to be checked names an unknown joint or is not finite
+  kMapOverflow,  ///< points were left out of the map
+  kNoMap,        ///< no scan for too long
+  kMapLate,      ///< scans come, but what is in the map is too old
+  kNoJoints,     ///< a joint was never heard of, or not for too long
+  kNoTransform,  ///< the robot's root in the fixed frame is unknown or too old
+  kFuture,       ///< a map or joint state is stamped in the future
+  kNoClock,      ///< simulated time stands still, so that nothing can grow old by it
+  kBadQuestion,  ///< a state to be checked names an unknown joint or is not finite
 };
 
 /// As published, e.g. "COLLISION_AHEAD".
@@ -38,8 +39,8 @@ enum class Reason : std::uint8_t {
 /// What is found at one pose of the robot.
 struct PoseFindings {
   std::vector<Contact> contacts;
-  std::vector<LinkVisibility> links;              ///< of the links watched for occlusion
-  std::vector<std::uint32_t> occluding_cuboids;   ///< indices into the map's cuboids
+  std::vector<LinkVisibility> links;             ///< of the links watched for occlusion
+  std::vector<std::uint32_t> occluding_cuboids;  ///< indices into the map's cuboids
   bool collision = false;
   bool occlusion = false;
   double collision_us = 0.0;  ///< wall time that the check took, forward kinematics included

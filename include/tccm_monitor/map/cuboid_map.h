@@ -12,23 +12,23 @@ namespace tccm {
 /// A maximal run of occupied heights in one cell's column (paper, section III).
 struct Cuboid {
   CellIndex cell = 0;
-  Height bottom = 0;              ///< quanta; occupied are [bottom, top)
-  Height top = 0;                 ///< the paper's u; its d is top - bottom
-  std::uint32_t points = 0;       ///< returns of the window's scans in it (the paper's pnum)
-  std::uint32_t age_scans = 0;    ///< since something was first seen here without interruption
-  std::uint32_t dyn = 0;          ///< age in whole windows (section IV.C); low means dynamic
+  Height bottom = 0;            ///< quanta; occupied are [bottom, top)
+  Height top = 0;               ///< the paper's u; its d is top - bottom
+  std::uint32_t points = 0;     ///< returns of the window's scans in it (the paper's pnum)
+  std::uint32_t age_scans = 0;  ///< since something was first seen here without interruption
+  std::uint32_t dyn = 0;        ///< age in whole windows (section IV.C); low means dynamic
 };
 
 /// A snapshot of the integration map: all that checks need, and nothing that changes under them.
 struct CuboidMap {
   Grid grid;
-  Time stamp;                     ///< of the newest scan's first beam
-  std::uint32_t serial = 0;       ///< of the newest scan; the first scan's is 1, none is 0
-  std::uint32_t window_scans = 0; ///< scans whose points are in the map
-  Duration window{0};             ///< from the oldest of them to the newest
-  bool complete = false;          ///< the window holds a whole tilt period, or what was asked for
-  bool overflowed = false;        ///< a bound was met and points were left out: not to be trusted
-  Height thickness = 0;           ///< d0, quanta
+  Time stamp;                      ///< of the newest scan's first beam
+  std::uint32_t serial = 0;        ///< of the newest scan; the first scan's is 1, none is 0
+  std::uint32_t window_scans = 0;  ///< scans whose points are in the map
+  Duration window{0};              ///< from the oldest of them to the newest
+  bool complete = false;           ///< the window holds a whole tilt period, or what was asked for
+  bool overflowed = false;         ///< a bound was met and points were left out: not to be trusted
+  Height thickness = 0;            ///< d0, quanta
   Vector3 viewpoint = Vector3::Zero();  ///< the sensor's origin at the newest beam, fixed frame [m]
   std::vector<Cuboid> cuboids;          ///< by cell, then from low to high
   /// The cuboids of a cell are those from cell_begin[cell] up to cell_begin[cell + 1].

@@ -79,7 +79,7 @@ class Grid {
   CellIndex cells_y_;
   double cells_a_metre_;
   double quanta_a_metre_;
-  double doubt_cells_;   ///< so near to a border the rounding to the micrometre decides
+  double doubt_cells_;  ///< so near to a border the rounding to the micrometre decides
   double doubt_quanta_;
 };
 

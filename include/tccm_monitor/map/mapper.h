@@ -33,7 +33,7 @@ class Mapper {
     double window_s = 0.0;
     double window_tilt_periods = 1.1;
     /// After a longer gap between two scans the window has to fill again.
-    double scan_gap_max_s = 0.5;
+    double scan_gap_max_s = 0.25;
     /// A scan older than the last by more than this means that time began anew, as when a recording
     /// is played again: the map starts over.
     double time_jump_back_s = 0.1;
@@ -74,6 +74,7 @@ class Mapper {
   TiltPeriod tilt_;
   std::optional<Time> newest_;
   Time unbroken_since_;
+  std::optional<Time> last_expired_;  ///< the newest scan that has left the window
   Vector3 viewpoint_ = Vector3::Zero();
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "tccm_monitor/time.h"
@@ -25,16 +26,31 @@ class TiltPeriod {
   void add(Time stamp, double tilt);
   void reset();
 
-  /// The longer of the last period between two highest and that between two lowest points; nothing
-  /// before the first full one.
+  /// The longest of the last three periods between two highest and between two lowest points, so
+  /// that one step back amid a stroke does not pass for a short period; nothing before the first
+  /// full one.
   [[nodiscard]] std::optional<Duration> period() const;
 
+  /// Whether the tilt goes on: it last turned not longer ago than its longest recent stroke and a
+  /// quarter of a period. False before the first full period.
+  [[nodiscard]] bool isAlive(Time now) const;
+
  private:
+  /// The longest of the last three durations.
+  class Longest {
+   public:
+    void add(Duration duration);
+    [[nodiscard]] std::optional<Duration> get() const;
+
+   private:
+    std::array<Duration, 3> last_{};
+    std::size_t count_ = 0;
+  };
   struct TurningPoints {
     std::optional<Time> last;
-    std::optional<Duration> period;
-    void add(Time stamp);
+    Longest period;
   };
+  void turn(Time stamp, TurningPoints& points);
 
   Config config_;
   std::optional<double> highest_;  ///< since the last turning point
@@ -44,6 +60,8 @@ class TiltPeriod {
   int direction_ = 0;  ///< 1 rising, -1 falling, 0 not known yet
   TurningPoints upper_;
   TurningPoints lower_;
+  std::optional<Time> last_turn_;
+  Longest stroke_;
 };
 
 }  // namespace tccm

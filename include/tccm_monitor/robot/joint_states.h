@@ -14,9 +14,11 @@ namespace tccm {
 
 /// What the last joint states say of every variable at once.
 struct JointSnapshot {
-  Time oldest;                     ///< stamp of the joint heard of least recently
-  std::vector<double> positions;   ///< [rad] or [m]
-  std::vector<double> velocities;  ///< per second: the larger of the reported and the differentiated
+  Time oldest;                    ///< stamp of the joint heard of least recently
+  Time newest;                    ///< stamp of the joint heard of last
+  std::vector<double> positions;  ///< [rad] or [m]
+  std::vector<double>
+      velocities;  ///< per second: the larger of the reported and the differentiated
 };
 
 /// Gathers joint states from messages that may each name only some of the joints, and keeps a short
@@ -24,9 +26,9 @@ struct JointSnapshot {
 class JointStates {
  public:
   struct Config {
-    double gap_max_s = 0.1;            ///< nothing is interpolated across a longer gap
-    double velocity_baseline_s = 0.03; ///< positions this far apart are differentiated
-    std::size_t samples_max = 512;     ///< kept of each joint
+    double gap_max_s = 0.1;             ///< nothing is interpolated across a longer gap
+    double velocity_baseline_s = 0.03;  ///< positions this far apart are differentiated
+    std::size_t samples_max = 512;      ///< kept of each joint
 
     /// @throws ConfigError
     void validate() const;
@@ -34,8 +36,9 @@ class JointStates {
 
   /// What a message brought.
   struct Added {
-    std::size_t taken = 0;    ///< positions of joints that matter
-    std::size_t refused = 0;  ///< of those that matter: not finite, or not newer than the last
+    std::size_t taken = 0;  ///< positions of joints that matter
+    std::size_t refused =
+        0;  ///< of those that matter: not finite or absurd, or not newer than the last
   };
 
   /// @throws ConfigError
@@ -44,8 +47,8 @@ class JointStates {
   /// Joints that the model does not need are passed over. Where a joint's stamps jump back by more
   /// than gap_max_s, time began anew and all that was known is forgotten.
   /// @param velocities may be empty or hold NaN: then positions are differentiated alone.
-  Added add(Time stamp, const std::vector<std::string>& names,
-            const std::vector<double>& positions, const std::vector<double>& velocities);
+  Added add(Time stamp, const std::vector<std::string>& names, const std::vector<double>& positions,
+            const std::vector<double>& velocities);
   void reset();
 
   /// The first joint never heard of, if there is one.

@@ -62,7 +62,9 @@ class RobotModel {
   [[nodiscard]] const std::vector<RobotJoint>& joints() const { return joints_; }
   [[nodiscard]] const std::vector<JointVariable>& variables() const { return variables_; }
   /// Whether the URDF has a joint of that name, also where it moves no monitored link.
-  [[nodiscard]] bool hasJoint(const std::string& joint) const { return all_joints_.count(joint) > 0; }
+  [[nodiscard]] bool hasJoint(const std::string& joint) const {
+    return all_joints_.count(joint) > 0;
+  }
   [[nodiscard]] const std::vector<LinkShape>& shapes() const { return shapes_; }
   [[nodiscard]] const std::string& linkOf(std::size_t shape) const {
     return links_[shapes_[shape].link];

@@ -20,17 +20,10 @@ namespace tccm {
 [[nodiscard]] inline Time toTime(const ros::Time& time) {
   return Time(Duration(static_cast<Duration::rep>(time.toNSec())));
 }
-/// @pre time is not before the epoch.
-[[nodiscard]] inline ros::Time toRos(Time time) {
-  ros::Time result;
-  result.fromNSec(static_cast<std::uint64_t>(time.time_since_epoch().count()));
-  return result;
-}
-[[nodiscard]] inline ros::Duration toRos(Duration duration) {
-  ros::Duration result;
-  result.fromNSec(duration.count());
-  return result;
-}
+/// Saturates at what a ros::Time can hold: garbage must not throw in a callback.
+[[nodiscard]] ros::Time toRos(Time time);
+/// Saturates likewise.
+[[nodiscard]] ros::Duration toRos(Duration duration);
 
 [[nodiscard]] LaserScan fromMessage(const sensor_msgs::LaserScan& message);
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <boost/make_shared.hpp>
 #include <boost/shared_ptr.hpp>
 #include <cstddef>
@@ -15,7 +16,10 @@ class MessagePool {
   /// A message that nobody else holds, with the content of an earlier use.
   boost::shared_ptr<Message> take() {
     for (const auto& message : messages_) {
-      if (message.unique()) return message;
+      if (!message.unique()) continue;
+      // Whoever let go of it last may have read it in another thread.
+      std::atomic_thread_fence(std::memory_order_acquire);
+      return message;
     }
     messages_.push_back(boost::make_shared<Message>());
     return messages_.back();

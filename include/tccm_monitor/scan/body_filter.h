@@ -8,8 +8,9 @@
 
 namespace tccm {
 
-/// Removes what the sensor saw of the robot itself: points in or near the body, and the false points
-/// that a beam grazing the body's edge leaves behind it (paper, section VI.A, Fig. 12 right).
+/// Removes what the sensor saw of the robot itself: points in or near the body, and the false
+/// points that a beam grazing the body's edge leaves behind it (paper, section VI.A, Fig. 12
+/// right).
 class BodyFilter {
  public:
   struct Config {

@@ -10,13 +10,13 @@ namespace tccm {
 /// One scan of a planar laser range finder, as REP 117 and sensor_msgs/LaserScan define it: beam i
 /// leaves at angle_min + i * angle_increment about the sensor's z axis, 0 along x.
 struct LaserScan {
-  Time stamp;                        ///< of the first beam
-  double angle_min = 0.0;            ///< [rad]
-  double angle_increment = 0.0;      ///< [rad], may be negative
-  Duration time_increment{0};        ///< between two beams; 0: all at the stamp
-  double range_min = 0.0;            ///< [m]
-  double range_max = 0.0;            ///< [m]
-  std::vector<float> ranges;         ///< [m]; +inf nothing hit, -inf too close, NaN unknown
+  Time stamp;                    ///< of the first beam
+  double angle_min = 0.0;        ///< [rad]
+  double angle_increment = 0.0;  ///< [rad], may be negative
+  Duration time_increment{0};    ///< between two beams; 0: all at the stamp
+  double range_min = 0.0;        ///< [m]
+  double range_max = 0.0;        ///< [m]
+  std::vector<float> ranges;     ///< [m]; +inf nothing hit, -inf too close, NaN unknown
 
   [[nodiscard]] Time beamTime(std::size_t beam) const {
     return stamp + static_cast<Duration::rep>(beam) * time_increment;
