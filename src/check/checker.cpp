@@ -50,7 +50,7 @@ void Checker::Config::validate() const {
 Checker::Checker(std::shared_ptr<const RobotModel> model, const Config& config)
     : model_(std::move(model)),
       config_((config.validate(), config)),
-      joints_(model_, config.joints),
+      joints_(*model_, config.joints),
       check_now_(model_, config.pose),
       check_ahead_(model_, config.pose),
       check_state_(model_, config.pose),

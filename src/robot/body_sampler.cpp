@@ -15,7 +15,7 @@ void BodySampler::Config::validate() const {
 BodySampler::BodySampler(std::shared_ptr<const RobotModel> model, const Config& config)
     : model_(std::move(model)),
       config_((config.validate(), config)),
-      joints_(model_, config.joints),
+      joints_(*model_, config.joints),
       kinematics_(model_) {
   for (const LinkShape& shape : model_->shapes()) shapes_.push_back(shape.shape);
 }

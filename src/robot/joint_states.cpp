@@ -19,9 +19,9 @@ void JointStates::Config::validate() const {
   requireInRange("joint_samples_max", static_cast<double>(samples_max), 2.0, 1e5);
 }
 
-JointStates::JointStates(std::shared_ptr<const RobotModel> model, const Config& config)
+JointStates::JointStates(const RobotModel& model, const Config& config)
     : config_((config.validate(), config)) {
-  for (const JointVariable& variable : model->variables()) {
+  for (const JointVariable& variable : model.variables()) {
     index_[variable.name] = names_.size();
     names_.push_back(variable.name);
   }

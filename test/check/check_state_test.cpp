@@ -52,6 +52,20 @@ TEST_F(CheckStateTest, BadQuestionsAreAnsweredAsSuch) {
   EXPECT_NE(unknown.detail.find("'sldie'"), std::string::npos);
 }
 
+TEST_F(CheckStateTest, AMimicJointHasToFollowTheJointThatItMimics) {
+  using namespace test;
+  const std::string sliding = axisOf("1 0 0") + limitOf("-1", "1");
+  model_ = modelOf(robotOf(linkOf("base") + ballLink("hand") + ballLink("finger") +
+                           jointOf("slide", "prismatic", "base", "hand", sliding) +
+                           jointOf("close", "prismatic", "hand", "finger",
+                                   sliding + "<mimic joint=\"slide\" multiplier=\"0.5\"/>")));
+  remake();
+  feed(kStart, clear_);
+  EXPECT_EQ(ask({"slide", "close"}, {0.2, 0.1}).reason, Reason::kClear);
+  EXPECT_EQ(ask({"slide", "close"}, {0.2, 0.2}).reason, Reason::kBadQuestion);
+  EXPECT_EQ(ask({"close"}, {0.1}).reason, Reason::kBadQuestion) << "the slide is at 0";
+}
+
 TEST_F(CheckStateTest, NothingIsFreeWhileAnythingIsMissing) {
   for (int given = 0; given < 7; ++given) {
     remake();

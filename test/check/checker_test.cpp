@@ -163,6 +163,39 @@ TEST_F(CheckerTest, StampsMayLeadByALittleAndNoMore) {
   EXPECT_EQ(reasonAt(kStart), Reason::kFuture);
 }
 
+TEST_F(CheckerTest, OneOfTwoPublishersStampingAheadIsNoticed) {
+  run(kStart, kStart + 0.5, clear_);
+  const double now = kStart + 0.51;
+  checker_->addJoints(at(now + 7.0), {"glide"}, {0.0}, {0.0});
+  checker_->addJoints(at(now), {"slide"}, {0.0}, {0.0});
+  EXPECT_EQ(reasonAt(now), Reason::kFuture);
+}
+
+TEST_F(CheckerTest, AClockThatStandsStillIsAFaultUntilItGoesOn) {
+  run(kStart, kStart + 0.5, clear_);
+  checker_->setClockStalls(true);
+  EXPECT_EQ(reasonAt(kStart + 0.5), Reason::kNoClock);
+  EXPECT_NE(checker_->checkState(at(kStart + 0.5), {"slide"}, {0.0}).reason, Reason::kClear);
+  checker_->setClockStalls(false);
+  EXPECT_EQ(run(kStart + 0.51, kStart + 1.4, clear_).reason, Reason::kReleasing);
+  EXPECT_EQ(run(kStart + 1.41, kStart + 1.6, clear_).reason, Reason::kClear);
+}
+
+TEST_F(CheckerTest, AClockSetBackByALittleDoesNotEndARelease) {
+  run(kStart, kStart + 0.5, post_, 0.8);
+  EXPECT_EQ(feedAndCheck(kStart + 0.51, clear_).reason, Reason::kReleasing);
+  EXPECT_EQ(reasonAt(kStart + 0.509), Reason::kReleasing);
+  EXPECT_EQ(feedAndCheck(kStart + 0.52, clear_).reason, Reason::kReleasing);
+}
+
+TEST_F(CheckerTest, TimeThatIsNotKnownToBeClearDoesNotCountTowardsTheRelease) {
+  run(kStart, kStart + 0.5, post_, 0.8);
+  CuboidMap filling = clear_;
+  filling.complete = false;
+  EXPECT_EQ(run(kStart + 0.51, kStart + 3.0, filling).reason, Reason::kInit);
+  EXPECT_EQ(feedAndCheck(kStart + 3.01, clear_).reason, Reason::kReleasing);
+}
+
 TEST_F(CheckerTest, TouchingNowIsACollisionThatNamesTheLink) {
   const Verdict& verdict = feedAndCheck(kStart, post_, 0.75);
   EXPECT_EQ(verdict.reason, Reason::kCollision);

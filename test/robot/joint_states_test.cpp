@@ -42,7 +42,7 @@ class JointStatesTest : public ::testing::Test {
   }
 
   std::shared_ptr<const RobotModel> model_ = test::sliderModel();
-  JointStates joints_{model_, JointStates::Config{}};
+  JointStates joints_{*model_, JointStates::Config{}};
 };
 
 TEST_F(JointStatesTest, NothingIsKnownAtTheStart) {
@@ -195,7 +195,7 @@ TEST_F(JointStatesTest, ResetForgetsEverythingAndTakesOlderStamps) {
 TEST(JointStatesRingTest, TheOldestSamplesGiveWay) {
   JointStates::Config config;
   config.samples_max = 5;
-  JointStates joints(test::sliderModel(), config);
+  JointStates joints(*test::sliderModel(), config);
   for (int i = 0; i < 23; ++i) {
     joints.add(at(0.01 * i), {"slide", "glide"}, {0.1 * i, 0.0}, {});
   }
@@ -208,7 +208,7 @@ TEST(JointStatesRingTest, TheOldestSamplesGiveWay) {
 }
 
 TEST(JointStatesRingTest, ManySamplesAreInterpolatedAsTheyWereGiven) {
-  JointStates joints(test::sliderModel(), {});
+  JointStates joints(*test::sliderModel(), {});
   test::Random random(1);
   std::vector<std::pair<double, double>> given;
   double stamp = 0.0;
@@ -228,7 +228,7 @@ TEST(JointStatesRingTest, ManySamplesAreInterpolatedAsTheyWereGiven) {
 }
 
 TEST(JointStatesRingTest, ARobotWithoutJointsIsKnownFromTheFirstMessageOn) {
-  JointStates joints(test::modelOf(test::robotOf(test::ballLink("base"))), {});
+  JointStates joints(*test::modelOf(test::robotOf(test::ballLink("base"))), {});
   EXPECT_EQ(joints.latest(), nullptr);
   joints.add(at(3.0), {"wheel"}, {1.0}, {});
   ASSERT_NE(joints.latest(), nullptr);
@@ -240,13 +240,13 @@ TEST(JointStatesConfigTest, ValuesOutOfRangeAreRefused) {
   const auto model = test::sliderModel();
   JointStates::Config config;
   config.gap_max_s = 0.0;
-  EXPECT_THROW(JointStates(model, config), ConfigError);
+  EXPECT_THROW(JointStates(*model, config), ConfigError);
   config = {};
   config.velocity_baseline_s = kNaN;
-  EXPECT_THROW(JointStates(model, config), ConfigError);
+  EXPECT_THROW(JointStates(*model, config), ConfigError);
   config = {};
   config.samples_max = 1;
-  EXPECT_THROW(JointStates(model, config), ConfigError);
+  EXPECT_THROW(JointStates(*model, config), ConfigError);
 }
 
 }  // namespace

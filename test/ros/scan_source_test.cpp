@@ -170,7 +170,7 @@ class ScanSourceWithRobotTest : public ScanSourceTest {
   ScanSourceWithRobotTest() : source_(source("root")) { hearFromTo("laser", 0.95, 1.15); }
   void addJoints(double stamp) { joints_.add(at(stamp), {"slide", "glide"}, {0.0, 0.0}, {}); }
   ScanSource source_;
-  JointStates joints_{test::sliderModel(), {}};
+  JointStates joints_{*test::sliderModel(), {}};
 };
 
 TEST_F(ScanSourceWithRobotTest, AScanWaitsForJointStatesAndRootPast) {

@@ -52,6 +52,16 @@ class TransformHistoryTest : public ::testing::Test {
   TransformHistory history_{buffer_, fromSeconds(0.1), fromSeconds(10.0)};
 };
 
+TEST_F(TransformHistoryTest, AQuaternionOfThreeDigitsIsARotation) {
+  auto turned = shift("base", "laser", 0.0, 0.0);
+  turned.transforms.front().transform.rotation.y = 0.707;
+  turned.transforms.front().transform.rotation.w = 0.707;
+  history_.add(turned, true);
+  const auto lookup = history_.at("base", "laser", at(1.0));
+  ASSERT_EQ(lookup.status, Status::kFound);
+  EXPECT_TRUE(isRigid(lookup.pose));
+}
+
 TEST_F(TransformHistoryTest, BetweenTwoStampsAPoseIsInterpolated) {
   move("base", "laser", 1.0, 0.0);
   move("base", "laser", 1.1, 0.2);

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <memory>
 #include <optional>
 #include <string>
 #include <unordered_map>
@@ -42,7 +41,7 @@ class JointStates {
   };
 
   /// @throws ConfigError
-  JointStates(std::shared_ptr<const RobotModel> model, const Config& config);
+  JointStates(const RobotModel& model, const Config& config);
 
   /// Joints that the model does not need are passed over. Where a joint's stamps jump back by more
   /// than gap_max_s, time began anew and all that was known is forgotten.
