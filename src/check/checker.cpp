@@ -92,6 +92,7 @@ void Checker::reset() {
   scan_period_s_.reset();
   started_.reset();
   root_.reset();
+  was_known_ = false;
   last_stop_.reset();
 }
 
@@ -234,7 +235,13 @@ const Verdict& Checker::check(Time now) {
   return verdict_;
 }
 
+bool Checker::needsRelease(Reason reason) const {
+  const bool found = reason > Reason::kInit && levelOf(reason) == Level::kStop;
+  return found || (was_known_ && levelOf(reason) == Level::kFault);
+}
+
 void Checker::decide(const Cause& cause) {
+  was_known_ = was_known_ || verdict_.known;
   verdict_.reason = cause.reason;
   verdict_.detail = cause.detail;
   verdict_.link = cause.link;
@@ -246,7 +253,7 @@ void Checker::decide(const Cause& cause) {
     } else {
       last_stop_.reset();
     }
-  } else if (cause.reason != Reason::kClear && (cause.reason != Reason::kInit || last_stop_)) {
+  } else if (last_stop_ ? cause.reason != Reason::kClear : needsRelease(cause.reason)) {
     last_stop_ = verdict_.stamp;  // what is not known to be clear does not count towards release
   }
   verdict_.level = levelOf(verdict_.reason);

@@ -294,6 +294,12 @@ TEST_F(CheckerTest, AFaultIsReleasedAsSlowlyAsAStop) {
   EXPECT_EQ(run(kStart + 1.2, kStart + 2.2, clear_).reason, Reason::kClear);
 }
 
+TEST_F(CheckerTest, AFaultBeforeAnythingWasKnownNeedsNoRelease) {
+  EXPECT_EQ(reasonAt(kStart), Reason::kInit);
+  EXPECT_EQ(levelOf(reasonAt(kStart + 5.0)), Level::kFault);
+  EXPECT_EQ(feedAndCheck(kStart + 5.1, clear_).reason, Reason::kClear);
+}
+
 TEST_F(CheckerTest, AfterTheStartNothingNeedsToBeReleased) {
   check(kStart);
   EXPECT_EQ(feedAndCheck(kStart + 0.05, clear_).reason, Reason::kClear);

@@ -94,6 +94,7 @@ class Checker {
   [[nodiscard]] Cause findingsCause(const PoseFindings& findings, bool ahead) const;
   [[nodiscard]] bool within(Time now, double seconds) const;
   void lookAhead(const JointSnapshot& joints);
+  [[nodiscard]] bool needsRelease(Reason reason) const;
   void decide(const Cause& cause);
 
   std::shared_ptr<const RobotModel> model_;
@@ -109,6 +110,7 @@ class Checker {
   std::optional<RootPose> root_;
   bool clock_stalls_ = false;
   std::vector<double> positions_ahead_;
+  bool was_known_ = false;         ///< since the start: what is missing before is no stop
   std::optional<Time> last_stop_;  ///< the last check that was not clear, INIT apart
   Verdict verdict_;
 };
