@@ -33,8 +33,10 @@ void CollisionCheck::findOf(const CuboidMap& map, const Body& body, std::uint32_
       const Cuboid& cuboid = map.cuboids[k];
       if (cuboid.top < low || cuboid.bottom > high) continue;
       if (!overlaps(body.shapes[shape], body.poses[shape], map.box(cuboid))) continue;
-      if (config_.support_points > 1 && supportOf(map, cuboid, config_.support_height_m) <
-                                            static_cast<std::uint32_t>(config_.support_points)) {
+      // Its own returns are most of the support, and mostly enough.
+      const auto needed = static_cast<std::uint32_t>(config_.support_points);
+      if (cuboid.points < needed && needed > 1 &&
+          supportOf(map, cuboid, config_.support_height_m) < needed) {
         continue;
       }
       if (contacts_.size() == static_cast<std::size_t>(config_.contacts_max)) return;

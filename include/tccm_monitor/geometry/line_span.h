@@ -72,16 +72,30 @@ struct LineSpan {
   return ballSpan(Vector3::Zero(), s.radius, ray);
 }
 
-/// The union of a cylinder and two balls is convex: the span runs from the first to the last of
-/// theirs.
+/// Within its tube, a capsule ends where its balls do: a line that crosses the tube's wall beside
+/// the straight part enters or leaves there, any other through the ball on that side.
 [[nodiscard]] inline LineSpan lineSpan(const Capsule& c, const Ray& ray) {
-  const Vector3 end(0.0, 0.0, c.half_length);
-  LineSpan span = lineSpan(Cylinder{c.radius, c.half_length}, ray);
-  for (const LineSpan& part : {ballSpan(end, c.radius, ray), ballSpan(-end, c.radius, ray)}) {
-    if (part.empty()) continue;
-    span = span.empty()
-               ? part
-               : LineSpan{std::min(span.enter, part.enter), std::max(span.leave, part.leave)};
+  const LineSpan tube = tubeSpan(c.radius, ray);
+  if (tube.empty()) return tube;
+  const auto ballAt = [&](double side) {
+    return ballSpan(Vector3(0.0, 0.0, side * c.half_length), c.radius, ray);
+  };
+  const auto heightAt = [&](double t) { return ray.origin.z() + t * ray.direction.z(); };
+  if (std::isinf(tube.enter)) {  // along the axis: in through one ball, out through the other
+    const double from = ray.direction.z() > 0.0 ? -1.0 : 1.0;
+    return {ballAt(from).enter, ballAt(-from).leave};
+  }
+  LineSpan span = tube;
+  const double enter_z = heightAt(tube.enter), leave_z = heightAt(tube.leave);
+  if (std::abs(enter_z) > c.half_length) {
+    const LineSpan ball = ballAt(std::copysign(1.0, enter_z));
+    if (ball.empty()) return ball;
+    span.enter = ball.enter;
+  }
+  if (std::abs(leave_z) > c.half_length) {
+    const LineSpan ball = ballAt(std::copysign(1.0, leave_z));
+    if (ball.empty()) return ball;
+    span.leave = ball.leave;
   }
   return span;
 }
