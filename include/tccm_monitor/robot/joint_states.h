@@ -16,8 +16,8 @@ struct JointSnapshot {
   Time oldest;                    ///< stamp of the joint heard of least recently
   Time newest;                    ///< stamp of the joint heard of last
   std::vector<double> positions;  ///< [rad] or [m]
-  std::vector<double>
-      velocities;  ///< per second: the larger of the reported and the differentiated
+  /// Per second: the larger of the reported and the differentiated.
+  std::vector<double> velocities;
 };
 
 /// Gathers joint states from messages that may each name only some of the joints, and keeps a short
@@ -36,8 +36,8 @@ class JointStates {
   /// What a message brought.
   struct Added {
     std::size_t taken = 0;  ///< positions of joints that matter
-    std::size_t refused =
-        0;  ///< of those that matter: not finite or absurd, or not newer than the last
+    /// Of those that matter: not finite, beyond 1e6, or not newer than the last.
+    std::size_t refused = 0;
   };
 
   /// @throws ConfigError
