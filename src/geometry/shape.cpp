@@ -25,6 +25,17 @@ struct Expand {
   Shape operator()(const Sphere& s) const { return Sphere{grow(s.radius)}; }
 };
 
+struct Volume {
+  double operator()(const Box& box) const { return 8.0 * box.half_extents.prod(); }
+  double operator()(const Cylinder& c) const {
+    return M_PI * c.radius * c.radius * 2.0 * c.half_length;
+  }
+  double operator()(const Capsule& c) const {
+    return (*this)(Cylinder{c.radius, c.half_length}) + (*this)(Sphere{c.radius});
+  }
+  double operator()(const Sphere& s) const { return 4.0 / 3.0 * M_PI * std::pow(s.radius, 3); }
+};
+
 struct BoundingRadius {
   double operator()(const Box& box) const { return box.half_extents.norm(); }
   double operator()(const Cylinder& c) const { return std::hypot(c.radius, c.half_length); }
@@ -96,6 +107,8 @@ struct Validate {
 Shape expanded(const Shape& shape, const Expansion& expansion) {
   return std::visit(Expand{expansion}, shape);
 }
+
+double volume(const Shape& shape) { return std::visit(Volume{}, shape); }
 
 double boundingRadius(const Shape& shape) { return std::visit(BoundingRadius{}, shape); }
 

@@ -197,6 +197,16 @@ TEST(ShapeTest, EveryKindHasItsName) {
   EXPECT_EQ(name(Sphere{1.0}), "sphere");
 }
 
+TEST(ShapeTest, VolumesAreThoseOfGeometricShapes) {
+  Random random(41);
+  for (std::size_t i = 0; i < 100; ++i) {
+    const Shape shape = random.shape(i % test::kShapeKinds);
+    const auto body = toBody(shape);
+    if (body) EXPECT_NEAR(volume(shape), body->computeVolume(), 1e-9) << name(shape);
+  }
+  EXPECT_NEAR(volume(Capsule{0.5, 1.0}), volume(Cylinder{0.5, 1.0}) + volume(Sphere{0.5}), 1e-12);
+}
+
 TEST(ShapeTest, ValidSizesAreAcceptedDownToHalfAMillimetre) {
   EXPECT_NO_THROW(validate(Box{{0.00025, 0.00025, 0.5}}, "link"));
   EXPECT_NO_THROW(validate(Cylinder{0.0005, 0.0005}, "link"));

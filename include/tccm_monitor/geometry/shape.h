@@ -33,6 +33,12 @@ struct Sphere {
 /// A solid, closed convex primitive in its own frame.
 using Shape = std::variant<Box, Cylinder, Capsule, Sphere>;
 
+/// A primitive placed in another frame, such as a link's.
+struct PlacedShape {
+  Shape shape;
+  Pose pose = Pose::Identity();  ///< T_frame_shape
+};
+
 using UprightBox = Eigen::AlignedBox3d;
 
 /// How a primitive is made larger before it is checked: sizes times scale, plus padding_m on every
@@ -46,6 +52,8 @@ struct Expansion {
 /// shape for sphere and capsule; box and cylinder grow along their own axes, so they contain that
 /// too.
 [[nodiscard]] Shape expanded(const Shape& shape, const Expansion& expansion);
+
+[[nodiscard]] double volume(const Shape& shape);
 
 /// Radius of the smallest sphere around the frame's origin that contains the shape.
 [[nodiscard]] double boundingRadius(const Shape& shape);
