@@ -109,6 +109,67 @@ void Columns::expire(CellIndex cell, std::uint32_t serial) {
   }
 }
 
+bool Columns::split(std::uint32_t index, Height at) {
+  if (free_ == kNone) return false;
+  Interval above = pool_[index];
+  above.bottom = at;
+  pool_[index].top = at;
+  pool_[index].next = take(above);
+  return true;
+}
+
+bool Columns::uniteWithNext(std::uint32_t index) {
+  Interval& interval = pool_[index];
+  const std::uint32_t above = interval.next;
+  if (above == kNone) return false;
+  const Interval& other = pool_[above];
+  const bool alike = other.serial == interval.serial && other.born == interval.born;
+  if (!alike || other.bottom != interval.top) return false;
+  interval.top = other.top;
+  interval.next = other.next;
+  release(above);
+  return true;
+}
+
+Columns::Heights Columns::disown(CellIndex cell, Heights heights, std::uint32_t nobody) {
+  Heights disowned = heights;
+  for (std::uint32_t i = first_[cell]; i != kNone && pool_[i].bottom < heights.top;
+       i = pool_[i].next) {
+    if (pool_[i].top <= heights.bottom) continue;
+    pool_[i].serial = nobody;
+    disowned.bottom = std::min(disowned.bottom, pool_[i].bottom);
+    disowned.top = std::max(disowned.top, pool_[i].top);
+  }
+  return disowned;
+}
+
+bool Columns::claim(CellIndex cell, Heights heights, std::uint32_t serial, std::uint32_t nobody) {
+  bool exact = true;
+  std::uint32_t below = kNone;
+  for (std::uint32_t i = first_[cell]; i != kNone && pool_[i].bottom < heights.top;
+       i = pool_[i].next) {
+    if (pool_[i].serial != nobody || pool_[i].top <= heights.bottom) {
+      below = i;
+      continue;
+    }
+    if (pool_[i].bottom < heights.bottom) {
+      if (split(i, heights.bottom)) {
+        below = i;
+        i = pool_[i].next;
+      } else {
+        exact = false;
+      }
+    }
+    if (pool_[i].top > heights.top && !split(i, heights.top)) exact = false;
+    pool_[i].serial = serial;
+    // A scan's returns side by side claim one interval, not one each: the pool is bounded.
+    uniteWithNext(i);
+    if (below != kNone && uniteWithNext(below)) i = below;
+    below = i;
+  }
+  return exact;
+}
+
 std::size_t Columns::memoryBytes() const {
   return first_.capacity() * sizeof(std::uint32_t) + pool_.capacity() * sizeof(Interval);
 }

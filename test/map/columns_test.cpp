@@ -116,6 +116,74 @@ TEST(ColumnsTest, ClearingFreesEverything) {
   }
 }
 
+constexpr std::uint32_t kNobody = 9;
+
+/// Cell 0 after [0, 50) of scan 1 and [20, 30) of scan 3.
+Columns carved(std::size_t intervals_max) {
+  Columns columns(1, intervals_max);
+  EXPECT_TRUE(columns.insert(0, 0, 50, 1));
+  EXPECT_TRUE(columns.insert(0, 20, 30, 3));
+  return columns;
+}
+
+TEST(ColumnsTest, DisowningTakesTheIntervalsThatMeetTheHeightsAndLeavesTheirBirths) {
+  Columns columns = carved(10);
+  const Columns::Heights disowned = columns.disown(0, {25, 30}, kNobody);
+  EXPECT_EQ(disowned.bottom, 20);
+  EXPECT_EQ(disowned.top, 30);
+  EXPECT_EQ(piecesOf(columns), (Pieces{{0, 20, 1, 1}, {20, 30, kNobody, 1}, {30, 50, 1, 1}}));
+  EXPECT_EQ(columns.disown(0, {25, 31}, kNobody).top, 50);
+  columns.expire(0, kNobody);
+  EXPECT_EQ(piecesOf(columns), (Pieces{{0, 20, 1, 1}}));
+  EXPECT_EQ(columns.used(), 1U);
+}
+
+TEST(ColumnsTest, AClaimGetsWhatIsNobodysAndNothingElse) {
+  Columns columns = carved(10);
+  (void)columns.disown(0, {30, 40}, kNobody);
+  EXPECT_TRUE(columns.claim(0, {25, 40}, 2, kNobody));
+  EXPECT_EQ(piecesOf(columns),
+            (Pieces{{0, 20, 1, 1}, {20, 30, 3, 1}, {30, 40, 2, 1}, {40, 50, kNobody, 1}}));
+  EXPECT_TRUE(columns.claim(0, {60, 70}, 2, kNobody));
+  EXPECT_TRUE(columns.claim(0, {45, 48}, 2, kNobody));
+  columns.expire(0, kNobody);
+  EXPECT_EQ(piecesOf(columns),
+            (Pieces{{0, 20, 1, 1}, {20, 30, 3, 1}, {30, 40, 2, 1}, {45, 48, 2, 1}}));
+  EXPECT_EQ(columns.used(), 4U);
+}
+
+TEST(ColumnsTest, ClaimsOfOneScanThatTouchAreOneIntervalWhereTheirBirthsAreAlike) {
+  Columns columns = carved(10);
+  ASSERT_TRUE(columns.insert(0, 50, 60, 4));
+  (void)columns.disown(0, {0, 60}, kNobody);
+  EXPECT_TRUE(columns.claim(0, {40, 60}, 2, kNobody));
+  EXPECT_TRUE(columns.claim(0, {0, 10}, 2, kNobody));
+  EXPECT_TRUE(columns.claim(0, {5, 45}, 2, kNobody));
+  EXPECT_EQ(piecesOf(columns), (Pieces{{0, 50, 2, 1}, {50, 60, 2, 4}}));
+  EXPECT_EQ(columns.used(), 2U);
+}
+
+TEST(ColumnsTest, AClaimWithoutRoomToSplitTakesMoreAndSaysSo) {
+  Columns columns(1, 2);
+  ASSERT_TRUE(columns.insert(0, 0, 50, 1));
+  (void)columns.disown(0, {0, 50}, kNobody);
+  EXPECT_FALSE(columns.claim(0, {10, 30}, 1, kNobody));
+  EXPECT_EQ(piecesOf(columns), (Pieces{{0, 10, kNobody, 1}, {10, 50, 1, 1}}));
+  columns.expire(0, kNobody);
+  columns.expire(0, 1);
+  EXPECT_EQ(columns.used(), 0U);
+}
+
+TEST(ColumnsTest, NobodysSerialMayBeTheOneAfterTheWrap) {
+  Columns columns(1, 10);
+  ASSERT_TRUE(columns.insert(0, 0, 20, 0xFFFFFFFEU));
+  ASSERT_TRUE(columns.insert(0, 10, 30, 0xFFFFFFFFU));
+  (void)columns.disown(0, {0, 30}, 0U);
+  EXPECT_TRUE(columns.claim(0, {0, 20}, 0xFFFFFFFEU, 0U));
+  columns.expire(0, 0U);
+  EXPECT_EQ(piecesOf(columns), (Pieces{{0, 20, 0xFFFFFFFEU, 0xFFFFFFFEU}}));
+}
+
 /// One owner a quantum, 0 for none.
 using Owners = std::array<std::uint32_t, 100>;
 

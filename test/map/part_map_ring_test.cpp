@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <deque>
 #include <utility>
 
@@ -72,6 +73,45 @@ TEST(PartMapRingTest, ClearingEmptiesIt) {
   EXPECT_EQ(droppedCells(ring), std::vector<CellIndex>{7});
 }
 
+TEST(PartMapRingTest, WhatIsNotKeptLeavesItsRoomAndItsPartMapStays) {
+  PartMapRing ring(3, 4);
+  ring.keepIf([](const MappedReturn&) { return false; });
+  ring.begin(1, atSeconds(1.0));
+  ring.add({1, 0});
+  ring.add({2, 0});
+  ring.begin(2, atSeconds(2.0));
+  ring.add({3, 0});
+  ring.add({4, 0});
+  ASSERT_FALSE(ring.hasRoom());
+  ring.keepIf([](const MappedReturn& entry) { return entry.cell == 4; });
+  EXPECT_EQ(ring.scans(), 2U);
+  EXPECT_EQ(ring.returns(), 1U);
+  ring.begin(3, atSeconds(3.0));
+  for (const CellIndex cell : {5U, 6U, 7U}) {
+    ASSERT_TRUE(ring.hasRoom());
+    ring.add({cell, 0});
+  }
+  EXPECT_FALSE(ring.hasRoom());
+  EXPECT_EQ(ring.oldestStamp(), atSeconds(1.0));
+  EXPECT_TRUE(droppedCells(ring).empty());
+  EXPECT_EQ(droppedCells(ring), std::vector<CellIndex>{4});
+  EXPECT_EQ(droppedCells(ring), (std::vector<CellIndex>{5, 6, 7}));
+}
+
+TEST(PartMapRingTest, AVisitMeetsTheNewestScanFirst) {
+  PartMapRing ring(2, 3);
+  for (std::uint32_t serial = 1; serial <= 3; ++serial) {
+    if (ring.full()) droppedCells(ring);
+    ring.begin(serial, atSeconds(serial));
+    ring.add({10 * serial, 0});
+  }
+  std::vector<std::pair<CellIndex, std::uint32_t>> visits;
+  ring.visitNewestFirst([&](const MappedReturn& entry, std::uint32_t serial) {
+    visits.emplace_back(entry.cell, serial);
+  });
+  EXPECT_EQ(visits, (std::vector<std::pair<CellIndex, std::uint32_t>>{{30, 3}, {20, 2}}));
+}
+
 TEST(PartMapRingTest, ARandomStreamComesOutAsItWentIn) {
   test::Random random(32);
   PartMapRing ring(7, 50);
@@ -91,6 +131,16 @@ TEST(PartMapRingTest, ARandomStreamComesOutAsItWentIn) {
       expected.back().second.push_back(next_cell++);
     }
     ASSERT_EQ(ring.scans(), expected.size());
+    if (!random.chance(0.2)) continue;
+    const auto divisor = static_cast<CellIndex>(random.integer(1, 5));
+    ring.keepIf([=](const MappedReturn& entry) { return entry.cell % divisor > 0; });
+    std::size_t returns = 0;
+    for (auto& [owner, cells] : expected) {
+      const auto gone = [=](CellIndex cell) { return cell % divisor == 0; };
+      cells.erase(std::remove_if(cells.begin(), cells.end(), gone), cells.end());
+      returns += cells.size();
+    }
+    ASSERT_EQ(ring.returns(), returns);
   }
 }
 

@@ -22,6 +22,11 @@ class Columns {
     std::uint32_t born;    ///< serial of the scan from which on something was seen here
     std::uint32_t next;    ///< in the same cell, upwards; kNone at the end
   };
+  /// [bottom, top)
+  struct Heights {
+    Height bottom;
+    Height top;
+  };
   static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
 
   Columns(CellIndex cells, std::size_t intervals_max);
@@ -31,6 +36,15 @@ class Columns {
   [[nodiscard]] bool insert(CellIndex cell, Height bottom, Height top, std::uint32_t serial);
   /// Removes what the scan still owns in the cell.
   void expire(CellIndex cell, std::uint32_t serial);
+  /// Makes `nobody`, a serial that no scan of the window has, the owner of the intervals that meet
+  /// the heights. What remaining scans saw there is then to be claimed, newest scan first; the rest
+  /// expires as nobody's.
+  /// @return the heights from the lowest of these intervals to the highest, both included.
+  [[nodiscard]] Heights disown(CellIndex cell, Heights heights, std::uint32_t nobody);
+  /// Gives scan `serial` what `nobody` owns of the heights. Births stay as they are.
+  /// @return false where the pool ran out, and more than these heights had to be given.
+  [[nodiscard]] bool claim(CellIndex cell, Heights heights, std::uint32_t serial,
+                           std::uint32_t nobody);
   void clear();
 
   /// The cell's lowest interval, or kNone.
@@ -43,6 +57,8 @@ class Columns {
  private:
   std::uint32_t take(const Interval& interval);
   void release(std::uint32_t index);
+  [[nodiscard]] bool split(std::uint32_t index, Height at);
+  bool uniteWithNext(std::uint32_t index);
 
   std::vector<std::uint32_t> first_;
   std::vector<Interval> pool_;

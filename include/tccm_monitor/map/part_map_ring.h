@@ -33,7 +33,7 @@ class PartMapRing {
   /// Adds to the newest part map. @pre hasRoom() and scans() > 0
   void add(const MappedReturn& entry) {
     returns_[next_] = entry;
-    next_ = next_ + 1 < returns_.size() ? next_ + 1 : 0;
+    next_ = after(next_);
     ++used_;
     ++parts_[newest_].count;
   }
@@ -49,6 +49,41 @@ class PartMapRing {
     oldest_ = oldest_ + 1 < parts_.size() ? oldest_ + 1 : 0;
     --scans_;
   }
+  /// Asks keep about each return, oldest scan first, and takes out those it declines; their room is
+  /// free again. Part maps stay, also where nothing is left of them.
+  template <typename Keep>
+  void keepIf(Keep&& keep) {
+    if (scans_ == 0) return;
+    std::size_t from = parts_[oldest_].begin, to = from;
+    used_ = 0;
+    for (std::size_t i = 0; i < scans_; ++i) {
+      Part& part = parts_[(oldest_ + i) % parts_.size()];
+      const std::size_t asked = part.count;
+      part.begin = to;
+      part.count = 0;
+      for (std::size_t k = 0; k < asked; ++k, from = after(from)) {
+        if (!keep(returns_[from])) continue;
+        returns_[to] = returns_[from];
+        to = after(to);
+        ++part.count;
+      }
+      used_ += part.count;
+    }
+    next_ = to;
+  }
+  /// Hands each return and its scan's serial to visit, newest scan first.
+  template <typename Visit>
+  void visitNewestFirst(Visit&& visit) const {
+    for (std::size_t i = scans_; i > 0; --i) {
+      const Part& part = parts_[(oldest_ + i - 1) % parts_.size()];
+      std::size_t from = part.begin;
+      for (std::size_t k = 0; k < part.count; ++k, from = after(from)) {
+        visit(returns_[from], part.serial);
+      }
+    }
+  }
+  /// Of all part maps.
+  [[nodiscard]] std::size_t returns() const { return used_; }
   void clear();
   [[nodiscard]] std::size_t memoryBytes() const;
 
@@ -59,6 +94,10 @@ class PartMapRing {
     std::size_t begin = 0;
     std::size_t count = 0;
   };
+  [[nodiscard]] std::size_t after(std::size_t place) const {
+    return place + 1 < returns_.size() ? place + 1 : 0;
+  }
+
   std::vector<Part> parts_;
   std::vector<MappedReturn> returns_;
   std::size_t oldest_ = 0;
