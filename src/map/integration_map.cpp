@@ -1,10 +1,22 @@
 #include "tccm_monitor/map/integration_map.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
+namespace {
+
+constexpr double kPlaceRounding = 1e-6;  // [m]; returns are rounded to the micrometre
+
+/// How far a return may have been from its cell's centre at its height [m].
+double placeDoubt(const Grid::Config& grid) {
+  return std::hypot(std::sqrt(0.5) * grid.cell_size_m, 0.5 * grid.height_quantum_m) +
+         kPlaceRounding;
+}
+
+}  // namespace
 
 void IntegrationMap::Config::validate() const {
   grid.validate();
@@ -21,18 +33,29 @@ IntegrationMap::IntegrationMap(const Config& config)
       columns_(grid_.cells(), config.intervals_max),
       // Layers as thick as a return: returns of two cuboids never share one.
       counts_(grid_, thickness_),
-      ring_(config.scans_max, config.returns_max) {}
+      ring_(config.scans_max, config.returns_max),
+      losses_(grid_.cells()) {}
 
 IntegrationMap::Added IntegrationMap::add(Time stamp, const std::vector<Vector3>& returns) {
   if (ring_.full()) expireOldest();
   ++serial_;
   newest_stamp_ = stamp;
   ring_.begin(serial_, stamp);
+  // Nearly always there is nothing to forget, and the loop over all returns need not ask.
+  if (!forgotten_.begin(stamp)) return addReturns(returns, [](const Vector3&) { return false; });
+  return addReturns(returns, [this](const Vector3& p) { return forgotten_.contains(p); });
+}
+
+template <typename IsForgotten>
+IntegrationMap::Added IntegrationMap::addReturns(const std::vector<Vector3>& returns,
+                                                 IsForgotten&& isForgotten) {
   Added added;
   for (const Vector3& p_fixed : returns) {
     const auto place = grid_.place(p_fixed);
     if (!place) {
       ++added.out_of_area;
+    } else if (isForgotten(p_fixed)) {
+      ++added.forgotten;
     } else if (insert({place->cell, place->height})) {
       ++added.mapped;
     } else {
@@ -43,9 +66,9 @@ IntegrationMap::Added IntegrationMap::add(Time stamp, const std::vector<Vector3>
 }
 
 bool IntegrationMap::insert(const MappedReturn& entry) {
-  const auto bottom = static_cast<Height>(entry.height - thickness_);
+  const Columns::Heights heights = occupiedBy(entry);
   if (!ring_.hasRoom()) return false;
-  if (!columns_.insert(entry.cell, bottom, entry.height, serial_)) return false;
+  if (!columns_.insert(entry.cell, heights.bottom, heights.top, serial_)) return false;
   ring_.add(entry);
   counts_.add(entry.cell, entry.height);
   return true;
@@ -61,10 +84,78 @@ void IntegrationMap::expireOldest() {
   });
 }
 
+std::size_t IntegrationMap::forget(const Region& region, Time until) {
+  validate(region);
+  forgotten_.add(region, until);
+  std::vector<RegionPart> parts;
+  parts.reserve(region.size());
+  for (const PaddedShape& shape : region) parts.emplace_back(shape, placeDoubt(config_.grid));
+  markCellsNear(parts);
+  const std::size_t removed = removeReturns(parts);
+  if (removed > 0) restoreColumns();
+  std::fill(losses_.begin(), losses_.end(), Loss());
+  return removed;
+}
+
+void IntegrationMap::markCellsNear(const std::vector<RegionPart>& parts) {
+  for (const RegionPart& part : parts) {
+    const Grid::Footprint cells = grid_.footprint(part.bounds());
+    for (CellIndex iy = cells.y_begin; iy < cells.y_end; ++iy) {
+      for (CellIndex ix = cells.x_begin; ix < cells.x_end; ++ix) {
+        losses_[iy * grid_.cellsX() + ix].near = true;
+      }
+    }
+  }
+}
+
+std::size_t IntegrationMap::removeReturns(const std::vector<RegionPart>& parts) {
+  const std::size_t before = ring_.returns();
+  CellIndex last = grid_.cells();
+  Vector3 place = Vector3::Zero();
+  ring_.keepIf([&](const MappedReturn& entry) {
+    Loss& loss = losses_[entry.cell];
+    if (!loss.near) return true;
+    if (entry.cell != last) place.head<2>() = grid_.centre(entry.cell);
+    last = entry.cell;
+    place.z() = grid_.metres(entry.height);
+    const auto has = [&place](const RegionPart& part) { return part.contains(place); };
+    if (std::none_of(parts.begin(), parts.end(), has)) return true;
+    counts_.remove(entry.cell, entry.height);
+    const Columns::Heights lost = occupiedBy(entry);
+    loss.heights.bottom = std::min(loss.heights.bottom, lost.bottom);
+    loss.heights.top = std::max(loss.heights.top, lost.top);
+    return false;
+  });
+  return before - ring_.returns();
+}
+
+/// Only what lies at the heights of lost returns can have a new owner, or none.
+void IntegrationMap::restoreColumns() {
+  const std::uint32_t nobody = serial_ + 1;
+  for (CellIndex cell = 0; cell < grid_.cells(); ++cell) {
+    Columns::Heights& lost = losses_[cell].heights;
+    if (lost.bottom < lost.top) lost = columns_.disown(cell, lost, nobody);
+  }
+  ring_.visitNewestFirst([&](const MappedReturn& entry, std::uint32_t serial) {
+    const Columns::Heights& lost = losses_[entry.cell].heights;
+    const Columns::Heights seen = occupiedBy(entry);
+    if (seen.top <= lost.bottom || seen.bottom >= lost.top) return;
+    if (!columns_.claim(entry.cell, seen, serial, nobody)) overflow_serial_ = serial_;
+  });
+  for (CellIndex cell = 0; cell < grid_.cells(); ++cell) {
+    if (losses_[cell].heights.bottom < losses_[cell].heights.top) columns_.expire(cell, nobody);
+  }
+}
+
+Columns::Heights IntegrationMap::occupiedBy(const MappedReturn& entry) const {
+  return {static_cast<Height>(entry.height - thickness_), entry.height};
+}
+
 void IntegrationMap::clear() {
   columns_.clear();
   counts_.clear();
   ring_.clear();
+  forgotten_.clear();
   overflow_serial_ = 0;
 }
 
@@ -73,7 +164,8 @@ bool IntegrationMap::overflowed() const {
 }
 
 std::size_t IntegrationMap::memoryBytes() const {
-  return columns_.memoryBytes() + counts_.memoryBytes() + ring_.memoryBytes();
+  return columns_.memoryBytes() + counts_.memoryBytes() + ring_.memoryBytes() +
+         forgotten_.memoryBytes() + losses_.capacity() * sizeof(Loss);
 }
 
 Cuboid IntegrationMap::finished(Cuboid cuboid, std::uint32_t born) const {

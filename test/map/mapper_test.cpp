@@ -268,6 +268,57 @@ TEST(MapperTest, ClearForgetsScansAndTiltAndSerialsGoOn) {
   EXPECT_FALSE(isComplete(mapper));
 }
 
+/// 10 mm around a place in the first cell, which all its returns are near to.
+Region around(const Vector3& p_fixed) {
+  return {{{Sphere{0.01}, Pose(Eigen::Translation3d(p_fixed))}, 0.0}};
+}
+
+TEST(MapperTest, WhatIsForgottenLeavesTheMapAndScansStampedUpToThen) {
+  Mapper::Config config = smallMap();
+  config.window_scans = 3;
+  Mapper mapper(config);
+  const Vector3 object(0.055, 0.055, 0.5), beside(0.155, 0.055, 0.5);
+  for (const double stamp : {1.0, 1.1, 1.2}) mapper.add(scanAt(stamp, {object, beside}));
+  EXPECT_EQ(mapper.forget(around(object), at(1.4)), 3U);
+  CuboidMap map = snapshotOf(mapper);
+  EXPECT_TRUE(map.complete) << "the window is as it was";
+  EXPECT_EQ(map.window_scans, 3U);
+  ASSERT_EQ(map.cuboids.size(), 1U);
+  EXPECT_EQ(map.cuboids[0].points, 3U);
+  EXPECT_EQ(map.cuboids[0].age_scans, 2U);
+  for (const double stamp : {1.3, 1.4}) {
+    const auto outcome = mapper.add(scanAt(stamp, {object, beside}));
+    EXPECT_EQ(outcome.added.forgotten, 1U);
+    EXPECT_EQ(outcome.added.mapped, 1U);
+    EXPECT_EQ(snapshotOf(mapper).cuboids.size(), 1U);
+  }
+  EXPECT_EQ(mapper.add(scanAt(1.5, {object, beside})).added.forgotten, 0U);
+  map = snapshotOf(mapper);
+  ASSERT_EQ(map.cuboids.size(), 2U);
+  EXPECT_EQ(map.cuboids[0].age_scans, 0U) << "what is there now is new";
+  EXPECT_EQ(map.cuboids[0].points, 1U);
+}
+
+TEST(MapperTest, AJumpBackInTimeEndsWhatIsForgotten) {
+  Mapper mapper(smallMap());
+  const Vector3 object(0.055, 0.055, 0.5);
+  mapper.add(scanAt(5.0, {object}));
+  mapper.forget(around(object), at(6.0));
+  EXPECT_EQ(mapper.add(scanAt(4.0, {object})).added.mapped, 1U);
+  EXPECT_EQ(mapper.add(scanAt(5.5, {object})).added.mapped, 1U);
+}
+
+TEST(MapperTest, ARegionMayBeForgottenBeforeTheFirstScanAndAfterClearing) {
+  Mapper mapper(smallMap());
+  const Vector3 object(0.055, 0.055, 0.5);
+  EXPECT_EQ(mapper.forget(around(object), at(1.0)), 0U);
+  EXPECT_EQ(mapper.add(scanAt(0.9, {object})).added.forgotten, 1U);
+  EXPECT_EQ(mapper.add(scanAt(1.1, {object})).added.mapped, 1U);
+  mapper.clear();
+  EXPECT_EQ(mapper.forget(around(object), at(1.0)), 0U);
+  EXPECT_EQ(mapper.add(scanAt(0.9, {object})).added.forgotten, 1U);
+}
+
 TEST(MapperTest, TheSnapshotHasTheNewestScansStampAndViewpoint) {
   Mapper mapper(smallMap());
   ScanReturns scan = scanAt(1.0);

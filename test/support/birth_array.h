@@ -33,6 +33,23 @@ class BirthArray {
     }
   }
 
+  /// After returns were taken out of the window's part maps: each quantum belongs to the newest
+  /// scan that still saw it, and keeps its birth. @param oldest serial of the first part map.
+  void reown(const std::deque<std::vector<MappedReturn>>& part_maps, int thickness,
+             std::uint32_t oldest) {
+    std::vector<Column> before(columns_.size(), Column(columns_.front().size()));
+    before.swap(columns_);
+    for (const auto& part_map : part_maps) {
+      for (const auto& [cell, height] : part_map) {
+        for (auto h = static_cast<std::size_t>(height - thickness);
+             h < static_cast<std::size_t>(height); ++h) {
+          columns_[cell][h] = {oldest, before[cell][h].born};
+        }
+      }
+      ++oldest;
+    }
+  }
+
   /// The earliest birth among the run's quanta; 0 where one of them is empty.
   [[nodiscard]] std::uint32_t born(CellIndex cell, int bottom, int top) const {
     const auto begin = columns_[cell].begin();

@@ -2,12 +2,15 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "tccm_monitor/map/columns.h"
 #include "tccm_monitor/map/cuboid_map.h"
+#include "tccm_monitor/map/forgotten_regions.h"
 #include "tccm_monitor/map/grid.h"
 #include "tccm_monitor/map/part_map_ring.h"
+#include "tccm_monitor/map/region.h"
 #include "tccm_monitor/map/return_counts.h"
 
 namespace tccm {
@@ -33,6 +36,7 @@ class IntegrationMap {
   struct Added {
     std::size_t mapped = 0;
     std::size_t out_of_area = 0;
+    std::size_t forgotten = 0;  ///< inside of what forget() was told
   };
 
   /// Allocates everything it will ever use. @throws ConfigError
@@ -44,7 +48,22 @@ class IntegrationMap {
   Added add(Time stamp, const std::vector<Vector3>& returns);
   /// Subtracts the oldest scan's part map. @pre scans() > 0
   void expireOldest();
-  /// Forgets all scans; serials go on.
+  /// Takes the returns inside the region out of the window's part maps, at once, and leaves them
+  /// out of scans that come later but are stamped up to `until` (see ForgottenRegions for its
+  /// limits); from then on what is seen there counts as usual. The map stays the union of what
+  /// remains, with the ages it had.
+  ///
+  /// Of a return in the window only the cell and the height are known. It leaves where the cell's
+  /// centre at that height is within the padding plus half a cell's diagonal: so all that were
+  /// inside leave, and none that was further away than the padding plus a cell's diagonal and a
+  /// quantum. Returns of later scans are judged by their exact place.
+  ///
+  /// Where the pool of intervals runs out over it, more stays than should, and the map is
+  /// overflowed. Costs a visit to every return of the window: for seldom use.
+  /// @return how many returns left the window's part maps.
+  /// @throws ConfigError where the region is not valid; then nothing has changed.
+  std::size_t forget(const Region& region, Time until);
+  /// Forgets all scans, and what was to be forgotten of later ones; serials go on.
   void clear();
 
   [[nodiscard]] std::size_t scans() const { return ring_.scans(); }
@@ -62,7 +81,21 @@ class IntegrationMap {
   void reserve(CuboidMap& map) const;
 
  private:
+  template <typename IsForgotten>
+  Added addReturns(const std::vector<Vector3>& returns, IsForgotten&& isForgotten);
   [[nodiscard]] bool insert(const MappedReturn& entry);
+  /// What forget() does to a cell.
+  struct Loss {
+    bool near = false;
+    Columns::Heights heights = kNothing;  ///< from the lowest return lost to the highest
+  };
+  static constexpr Columns::Heights kNothing{std::numeric_limits<Height>::max(),
+                                             std::numeric_limits<Height>::min()};
+
+  [[nodiscard]] Columns::Heights occupiedBy(const MappedReturn& entry) const;
+  void markCellsNear(const std::vector<RegionPart>& parts);
+  std::size_t removeReturns(const std::vector<RegionPart>& parts);
+  void restoreColumns();
   [[nodiscard]] Cuboid finished(Cuboid cuboid, std::uint32_t born) const;
 
   Config config_;
@@ -71,6 +104,8 @@ class IntegrationMap {
   Columns columns_;
   ReturnCounts counts_;
   PartMapRing ring_;
+  ForgottenRegions forgotten_;
+  std::vector<Loss> losses_;  ///< by cell; none between calls of forget()
   std::uint32_t serial_ = 0;
   std::uint32_t overflow_serial_ = 0;  ///< of the last scan with points left out
   Time newest_stamp_;

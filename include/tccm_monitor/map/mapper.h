@@ -53,7 +53,13 @@ class Mapper {
 
   /// A scan that is not newer than the last is dropped, unless time jumped back.
   Outcome add(const ScanReturns& scan);
-  /// Forgets scans and tilt, as at the start; serials go on.
+  /// Takes a region out of the map, and out of scans stamped up to `until` that are still to come:
+  /// what was grasped is no longer a part of the surroundings. See IntegrationMap::forget(). A jump
+  /// back in time ends it.
+  /// @return how many returns left the map.
+  /// @throws ConfigError where the region is not valid; then nothing has changed.
+  std::size_t forget(const Region& region, Time until) { return map_.forget(region, until); }
+  /// Forgets scans, tilt and regions, as at the start; serials go on.
   void clear();
 
   /// All of CuboidMap. Allocates nothing once `map` has been through reserve().
