@@ -199,6 +199,8 @@ SimulatedScan Scanner::measure(Time stamp, const std::vector<Snapshot>& snapshot
       advanceMixing();
       truth.mixed = mixing_.on;
       if (truth.mixed) {
+        truth.mixed_near = spot.nearest.label;
+        truth.mixed_far = spot.farthest.label;
         range = spot.nearest.range + mixing_.share * (spot.farthest.range - spot.nearest.range);
       }
     }

@@ -24,6 +24,8 @@ struct Snapshot {
 struct BeamTruth {
   std::optional<std::size_t> label;  ///< of the surface on the beam's axis; nothing within range
   bool mixed = false;                ///< the range lies between two surfaces
+  std::size_t mixed_near = 0;        ///< label of the nearer of them; only where mixed
+  std::size_t mixed_far = 0;         ///< label of the farther one
 };
 
 struct SimulatedScan {

@@ -34,7 +34,7 @@ void declare(CLI::App& app, Options& options) {
   Simulator::Config& s = options.simulator;
   app.option_defaults()->always_capture_default();
   app.add_option("--scene", s.scene)->check(CLI::IsMember(sceneNames()));
-  app.add_option("--motion", s.motion)->check(CLI::IsMember(motionNames()));
+  app.add_option("--motion", s.motion)->check(CLI::IsMember(simulatedMotions()));
   app.add_option("--obstacle", options.obstacle)
       ->check(CLI::IsMember({"none", "pole", "arm", "box"}));
   app.add_option("--obstacle-for", options.obstacle_for)

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "simulation/robot/dual_arm.h"
+#include "simulation/wander.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
@@ -18,12 +19,26 @@ constexpr double kRoomToHit = 0.04;  // [m] of path that must be left beyond the
 const std::vector<std::string> kHandLinks = {"right_wrist_roll_link", "right_palm_link",
                                              "right_*_finger_link"};
 
+ArmPath pathOf(const Simulator::Config& config, const std::shared_ptr<const RobotModel>& model,
+               const World& world) {
+  if (config.motion != kWander) return armPath(model, config.motion);
+  return wanderPath(model, world,
+                    {config.seed, config.wander_length_m, config.controller.speed_mps,
+                     config.wander_clearance_m});
+}
+
 Simulator::Config validated(Simulator::Config config) {
   config.validate();
   return config;
 }
 
 }  // namespace
+
+std::vector<std::string> simulatedMotions() {
+  std::vector<std::string> names = motionNames();
+  names.emplace_back(kWander);
+  return names;
+}
 
 void Simulator::Config::validate() const {
   controller.validate();
@@ -32,6 +47,9 @@ void Simulator::Config::validate() const {
   requireInRange("gap_m", gap_m, 0.01, 0.25);
   requireInRange("obstacle_speed_mps", obstacle_speed_mps, 0.0, 10.0);
   requireInRange("tilt_period_s", tilt.period_s, 0.1, 100.0);
+  requireInRange("wander_length_m", wander_length_m, 1.0, 1000.0);
+  requireInRange("wander_clearance_m", wander_clearance_m, 0.0, 0.2);
+  body_error.validate();
   if (scanner.scanDuration() >= fromSeconds(scanner.period_s)) {
     throw ConfigError("period_s: a turn must last longer than its beams");
   }
@@ -40,11 +58,12 @@ void Simulator::Config::validate() const {
 Simulator::Simulator(const Config& config)
     : config_(validated(config)),
       model_(dualArm()),
+      true_shapes_(trueShapes(model_->shapes(), config.body_error, config.seed)),
       kinematics_(model_),
-      path_(armPath(model_, config.motion)),
+      world_(scene(config.scene)),
+      path_(pathOf(config, model_, world_)),
       controller_(config.controller, path_.length()),
       scanner_(config.scanner, config.seed),
-      world_(scene(config.scene)),
       now_(config.start),
       scan_start_(config.start),
       hand_shapes_(model_->shapesOf(kHandLinks, "hand links")),
@@ -120,8 +139,8 @@ Snapshot Simulator::snapshot() const {
   result.stamp = now_;
   result.T_fixed_sensor = kinematics_.linkPoses()[sensor_];
   for (std::size_t i = 0; i < model_->shapes().size(); ++i) {
-    result.targets.shapes.push_back(model_->shapes()[i].shape);
-    result.targets.poses.push_back(kinematics_.shapePoses()[i]);
+    result.targets.shapes.push_back(true_shapes_[i].shape);
+    result.targets.poses.push_back(kinematics_.shapePoses()[i] * true_shapes_[i].pose);
     result.labels.push_back(i);
   }
   for (std::size_t i = 0; i < world_.size(); ++i) {

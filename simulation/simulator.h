@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "simulation/arm_path.h"
+#include "simulation/body_error.h"
 #include "simulation/clearance.h"
 #include "simulation/motion.h"
 #include "simulation/obstacle.h"
@@ -31,6 +32,9 @@ struct StepOutput {
   std::optional<SimulatedScan> scan;  ///< once its last beam is measured
 };
 
+/// Those of motionNames() and "wander".
+[[nodiscard]] std::vector<std::string> simulatedMotions();
+
 /// The dual-arm robot in a scene, its laser nodding, its arms moving, an obstacle that appears.
 /// Deterministic: the same configuration and the same stops give the same output. The fixed frame
 /// is base_link, on the floor. Labels in BeamTruth: up to 25 the model's shapes, from kFirstObject
@@ -54,6 +58,11 @@ class Simulator {
     /// Above 0: the obstacle is brought in from 0.4 m aside at this speed, and is in its place when
     /// a hand that went on would be gap_m away. 0: it appears in its place.
     double obstacle_speed_mps = 0.0;
+    /// How the body that the beams meet differs from the description. Distances in Truth are those
+    /// of the description.
+    BodyError body_error;
+    double wander_length_m = 60.0;     ///< of the motion "wander" until it turns back
+    double wander_clearance_m = 0.12;  ///< which "wander" keeps from the scene, see WanderConfig
 
     /// @throws ConfigError
     void validate() const;
@@ -90,11 +99,12 @@ class Simulator {
 
   Config config_;
   std::shared_ptr<const RobotModel> model_;
+  std::vector<PlacedShape> true_shapes_;  ///< in the frames of the model's shapes
   Kinematics kinematics_;
+  World world_;
   ArmPath path_;
   PathController controller_;
   Scanner scanner_;
-  World world_;
   Truth truth_;
   Time now_;
   Time scan_start_;
