@@ -62,9 +62,9 @@ Vector3 passing(double miss, double range) {
 TEST(BodyFilterTest, PointsInsideAndNearTheBodyAreItsOwn) {
   EXPECT_EQ(kindOf(kBall, {1.0, 0.0, 0.0}), K::kSelf);
   EXPECT_EQ(kindOf(kBall, {0.9, 0.0, 0.0}), K::kSelf);
-  EXPECT_EQ(kindOf(kBall, {0.851, 0.0, 0.0}), K::kSelf);
-  EXPECT_EQ(kindOf(kBall, {0.849, 0.0, 0.0}), K::kReturn);
-  EXPECT_EQ(kindOf(kBall, {1.0, 0.149, 0.0}), K::kSelf);
+  EXPECT_EQ(kindOf(kBall, {0.841, 0.0, 0.0}), K::kSelf);
+  EXPECT_EQ(kindOf(kBall, {0.839, 0.0, 0.0}), K::kReturn);
+  EXPECT_EQ(kindOf(kBall, {1.0, 0.159, 0.0}), K::kSelf);
 }
 
 TEST(BodyFilterTest, PointsInFrontOfTheBodyAreKept) {
@@ -89,9 +89,9 @@ TEST(BodyFilterTest, ABeamThatGrazesTheEdgeIsShadowedAndOnePastTheGrazingRadiusI
 
 TEST(BodyFilterTest, ARealObstacleBesideTheHandIsKept) {
   const BodySample hand = sampleOf(Capsule{0.04, 0.06}, at(0.8, 0.0, 0.0));
-  EXPECT_EQ(kindOf(hand, {0.8, 0.095, 0.0}), K::kReturn);
+  EXPECT_EQ(kindOf(hand, {0.8, 0.105, 0.0}), K::kReturn);
   EXPECT_EQ(kindOf(hand, {0.85, 0.10, 0.03}), K::kReturn);
-  EXPECT_EQ(kindOf(hand, {0.8, 0.085, 0.0}), K::kSelf);
+  EXPECT_EQ(kindOf(hand, {0.8, 0.095, 0.0}), K::kSelf);
 }
 
 TEST(BodyFilterTest, WithoutShadowDepthOnlyTheBodyItselfIsRemoved) {

@@ -16,7 +16,7 @@ class BodyFilter {
   struct Config {
     /// Points this near to the body are its own. Needs five times the range noise plus the body
     /// model's error; a check padded by less relies on older points inside that shell.
-    double padding_m = 0.05;
+    double padding_m = 0.06;
     /// A beam that passes the body nearer than this grazes it. Every millimetre hides real
     /// obstacles beside the hand.
     double grazing_m = 0.01;
