@@ -1,0 +1,238 @@
+#include "simulation/self_filter_trial.h"
+
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <random>
+#include <set>
+#include <stdexcept>
+
+#include "simulation/robot/dual_arm.h"
+#include "tccm_monitor/config_error.h"
+
+namespace tccm::simulation {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kContactsListed = 100;
+
+std::vector<std::string> jointNames(const RobotModel& model) {
+  std::vector<std::string> names;
+  for (const JointVariable& variable : model.variables()) names.push_back(variable.name);
+  return names;
+}
+
+bool measured(const BeamTruth& truth, const Beam& beam) {
+  return beam.measured() && (truth.mixed || truth.label);
+}
+
+double share(std::size_t part, std::size_t whole) {
+  return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+SelfFilterTrial::Config validated(const SelfFilterTrial::Config& config) {
+  config.validate();
+  return config;
+}
+
+Json toJson(const BeamFates& fates) {
+  const auto of = [&fates](BeamKind kind) { return fates.in_area[BeamFates::index(kind)]; };
+  return {{"measured_in_area", fates.measuredInArea()},
+          {"removed_as_mixed_pixel", of(BeamKind::kMixedPixel)},
+          {"removed_as_self", of(BeamKind::kSelf)},
+          {"removed_as_shadow", of(BeamKind::kShadow)},
+          {"mapped", fates.mapped()},
+          {"kept_out_of_area", fates.keptAnywhere() - fates.mapped()}};
+}
+
+Json toJson(const SourceCounts& counts) {
+  Json json;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    json[name(static_cast<BeamSource>(i))] = counts[i];
+  }
+  return json;
+}
+
+}  // namespace
+
+std::size_t BeamFates::measuredInArea() const {
+  return std::accumulate(in_area.begin(), in_area.end(), std::size_t{0});
+}
+
+double SelfFilterTally::sceneShareRemoved() const {
+  const BeamFates& scene = of(BeamSource::kScene);
+  return share(scene.measuredInArea() - scene.mapped(), scene.measuredInArea());
+}
+
+std::vector<std::string> SelfFilterLimits::missed(const SelfFilterTally& tally) const {
+  std::vector<std::string> names;
+  if (tally.of(BeamSource::kOwn).mapped() > 0) names.emplace_back("own_points");
+  if (tally.contacts_with_body > 0) names.emplace_back("contacts_with_body");
+  if (any_contact && tally.checks_with_contact > 0) names.emplace_back("contacts");
+  if (!(tally.sceneShareRemoved() < scene_share_removed)) names.emplace_back("scene_removed");
+  return names;
+}
+
+void SelfFilterTrial::Config::validate() const {
+  simulator.validate();
+  requireInRange("duration_s", duration_s, 1.0, 36000.0);
+  requireInRange("pause_every_s", pause_every_s, 0.0, 3600.0);
+}
+
+SelfFilterTrial::SelfFilterTrial(const Config& config, const std::string& urdf)
+    : config_(validated(config)),
+      simulator_(config.simulator),
+      monitor_(config.monitor, urdf),
+      grid_(config.monitor.mapper.map.grid),
+      random_(config.simulator.seed),
+      sensor_(linkIndex(simulator_.model(), "laser_link")),
+      joints_(jointNames(simulator_.model())),
+      next_pause_change_(config.pause_every_s > 0.0 ? simulator_.now() : Time::max()) {
+  monitor_.checker().setRootPose(simulator_.now(), Pose::Identity(), true);
+}
+
+const SelfFilterTally& SelfFilterTrial::run(const std::function<void(double)>& progress) {
+  const Time start = simulator_.now();
+  const Time end = start + fromSeconds(config_.duration_s);
+  while (simulator_.now() < end) {
+    decidePause();
+    StepOutput output = simulator_.step();
+    if (output.scan) waiting_.push_back(std::move(*output.scan));
+    if (!output.robot) continue;
+    addRobot(*output.robot);
+    mapReady();
+    if (progress) progress(toSeconds(simulator_.now() - start) / config_.duration_s);
+  }
+  return tally_;
+}
+
+void SelfFilterTrial::decidePause() {
+  if (simulator_.now() < next_pause_change_) return;
+  std::uniform_real_distribution<double> around_one(0.5, 1.5);
+  const double mean_s = config_.pause_every_s * (paused_ ? 1.0 : 0.25);
+  next_pause_change_ = simulator_.now() + fromSeconds(mean_s * around_one(random_));
+  simulator_.setStop(!paused_);
+  paused_ = !paused_;
+}
+
+void SelfFilterTrial::addRobot(const RobotSample& sample) {
+  constexpr std::size_t kKept = 12;  // at 10 ms each: more than a scan and its wait
+  if (recent_.size() == kKept) recent_.erase(recent_.begin());
+  recent_.push_back(sample);
+  monitor_.addJoints(sample.stamp, joints_, sample.positions, sample.velocities);
+  check();
+}
+
+void SelfFilterTrial::mapReady() {
+  PosePath T_fixed_sensor;
+  PosePath T_fixed_root;
+  for (const RobotSample& sample : recent_) {
+    T_fixed_sensor.add(sample.stamp, sample.link_poses[sensor_]);
+    T_fixed_root.add(sample.stamp, Pose::Identity());
+  }
+  while (!waiting_.empty() && waiting_.front().scan.lastBeamTime() <= recent_.back().stamp) {
+    const SimulatedScan scan = std::move(waiting_.front());
+    waiting_.erase(waiting_.begin());
+    // The very first scan began before the robot was heard of.
+    if (scan.scan.stamp < recent_.front().stamp) continue;
+    const auto outcome =
+        monitor_.addScan(simulator_.now(), scan.scan, T_fixed_sensor, T_fixed_root);
+    if (!outcome.dropped.empty())
+      throw std::runtime_error("a scan was dropped: " + outcome.dropped);
+    countBeams(scan);
+    check();
+  }
+}
+
+void SelfFilterTrial::countBeams(const SimulatedScan& scan) {
+  ++tally_.scans;
+  std::vector<PointLedger::Entry> entries;
+  for (std::size_t i = 0; i < scan.truth.size(); ++i) {
+    const Beam& beam = monitor_.assembled().beams[i];
+    if (!measured(scan.truth[i], beam)) continue;
+    const BeamSource source = sourceOf(scan.truth[i]);
+    BeamFates& fates = tally_.fates[static_cast<std::size_t>(source)];
+    ++fates.anywhere[BeamFates::index(beam.kind)];
+    const std::optional<Grid::Place> place = grid_.place(beam.p_fixed);
+    if (!place) continue;
+    ++fates.in_area[BeamFates::index(beam.kind)];
+    if (beam.kind == BeamKind::kReturn) entries.push_back({place->cell, place->height, source});
+  }
+  ledger_.add(std::move(entries), monitor_.map()->window_scans);
+}
+
+void SelfFilterTrial::check() {
+  if (monitor_.map() == nullptr) return;
+  const Verdict& verdict = monitor_.checker().check(simulator_.now());
+  ++tally_.checks;
+  if (verdict.collision) noteContacts(verdict);
+  in_contact_ = verdict.collision;
+}
+
+SourceCounts SelfFilterTrial::supportersOf(const Verdict& verdict) {
+  std::set<std::uint32_t> cuboids;
+  for (const auto* contacts : {&verdict.now.contacts, &verdict.ahead.contacts}) {
+    for (const Contact& contact : *contacts) cuboids.insert(contact.cuboid);
+  }
+  const CuboidMap& map = *monitor_.map();
+  const double height_m = monitor_.checker().config().pose.collision.support_height_m;
+  SourceCounts sum{};
+  for (const std::uint32_t cuboid : cuboids) {
+    const SourceCounts counts = ledger_.around(map, map.cuboids[cuboid], height_m);
+    for (std::size_t i = 0; i < counts.size(); ++i) sum[i] += counts[i];
+  }
+  return sum;
+}
+
+void SelfFilterTrial::noteContacts(const Verdict& verdict) {
+  ++tally_.checks_with_contact;
+  if (verdict.now.collision) ++tally_.contacts_now;
+  const std::vector<Contact>& first =
+      verdict.now.collision ? verdict.now.contacts : verdict.ahead.contacts;
+  FalseContact contact{verdict.stamp, !verdict.now.collision, {}, {}};
+  contact.link = monitor_.checker().model().linkOf(first.front().shape);
+  contact.supporters = supportersOf(verdict);
+  for (std::size_t i = 0; i < kBeamSources; ++i) {
+    if (contact.supporters[i] > 0) ++tally_.contacts_with[i];
+  }
+  const auto from = [&](BeamSource source) {
+    return contact.supporters[static_cast<std::size_t>(source)] > 0;
+  };
+  if (from(BeamSource::kOwn) || from(BeamSource::kOwnMixed)) ++tally_.contacts_with_body;
+  if (!in_contact_ && tally_.first_contacts.size() < kContactsListed) {
+    tally_.first_contacts.push_back(contact);
+  }
+}
+
+Json toJson(const SelfFilterTally& tally) {
+  Json json;
+  json["scans"] = tally.scans;
+  json["checks"] = tally.checks;
+  for (std::size_t i = 0; i < kBeamSources; ++i) {
+    json["points"][name(static_cast<BeamSource>(i))] = toJson(tally.fates[i]);
+  }
+  const BeamFates& scene = tally.of(BeamSource::kScene);
+  const auto removed = [&scene](BeamKind kind) {
+    return share(scene.in_area[BeamFates::index(kind)], scene.measuredInArea());
+  };
+  json["own_points_in_map"] = tally.of(BeamSource::kOwn).mapped();
+  json["own_mixed_in_map"] = tally.of(BeamSource::kOwnMixed).mapped();
+  json["contacts"] = {{"checks", tally.checks_with_contact},
+                      {"checks_at_present_pose", tally.contacts_now},
+                      {"checks_with_body_points", tally.contacts_with_body},
+                      {"checks_with_points_of", toJson(tally.contacts_with)}};
+  json["scene_share_removed"] = {{"all", tally.sceneShareRemoved()},
+                                 {"as_mixed_pixel", removed(BeamKind::kMixedPixel)},
+                                 {"as_self", removed(BeamKind::kSelf)},
+                                 {"as_shadow", removed(BeamKind::kShadow)}};
+  json["first_contacts"] = Json::array();
+  for (const FalseContact& contact : tally.first_contacts) {
+    json["first_contacts"].push_back({{"stamp", toSeconds(contact.stamp)},
+                                      {"ahead", contact.ahead},
+                                      {"link", contact.link},
+                                      {"points_around", toJson(contact.supporters)}});
+  }
+  return json;
+}
+
+}  // namespace tccm::simulation
