@@ -81,8 +81,8 @@ void checkTwoPoses(benchmark::State& state, bool occlusion, double shoulder) {
   std::vector<double> times_us;
   for (auto _ : state) {
     const auto start = std::chrono::steady_clock::now();
-    now.check(map, positions, Pose::Identity(), findings);
-    ahead.check(map, positions_ahead, Pose::Identity(), findings_ahead);
+    now.check(map, positions, {Pose::Identity()}, findings);
+    ahead.check(map, positions_ahead, {Pose::Identity()}, findings_ahead);
     const std::chrono::duration<double, std::micro> taken =
         std::chrono::steady_clock::now() - start;
     times_us.push_back(taken.count());

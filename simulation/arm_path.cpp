@@ -50,7 +50,7 @@ class Solver {
 
  private:
   [[nodiscard]] Pose poseOf(const Joints& joints) {
-    kinematics_.update(joints, Pose::Identity());
+    kinematics_.update(joints, {Pose::Identity()});
     return kinematics_.linkPoses()[problem_.link];
   }
 
@@ -154,7 +154,7 @@ const std::map<std::string, ArmPath (*)(const Model&)>& motions() {
 
 std::array<Vector3, 2> palms(const RobotModel& model, Kinematics& kinematics,
                              const Joints& joints) {
-  kinematics.update(joints, Pose::Identity());
+  kinematics.update(joints, {Pose::Identity()});
   return {kinematics.linkPoses()[linkIndex(model, "left_palm_link")].translation(),
           kinematics.linkPoses()[linkIndex(model, "right_palm_link")].translation()};
 }

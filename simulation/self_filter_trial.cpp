@@ -79,16 +79,16 @@ void SelfFilterTrial::Config::validate() const {
   requireInRange("pause_every_s", pause_every_s, 0.0, 3600.0);
 }
 
-SelfFilterTrial::SelfFilterTrial(const Config& config, const std::string& urdf)
+SelfFilterTrial::SelfFilterTrial(const Config& config, std::shared_ptr<const RobotModel> model)
     : config_(validated(config)),
       simulator_(config.simulator),
-      monitor_(config.monitor, urdf),
+      monitor_(config.monitor, std::move(model)),
       grid_(config.monitor.mapper.map.grid),
       random_(config.simulator.seed),
       sensor_(linkIndex(simulator_.model(), "laser_link")),
       joints_(jointNames(simulator_.model())),
       next_pause_change_(config.pause_every_s > 0.0 ? simulator_.now() : Time::max()) {
-  monitor_.checker().setRootPose(simulator_.now(), Pose::Identity(), true);
+  monitor_.checker().setRootPose(0, simulator_.now(), Pose::Identity(), true);
 }
 
 const SelfFilterTally& SelfFilterTrial::run(const std::function<void(double)>& progress) {
@@ -125,10 +125,10 @@ void SelfFilterTrial::addRobot(const RobotSample& sample) {
 
 void SelfFilterTrial::mapReady() {
   PosePath T_fixed_sensor;
-  PosePath T_fixed_root;
+  std::vector<PosePath> T_fixed_roots(1);
   for (const RobotSample& sample : recent_) {
     T_fixed_sensor.add(sample.stamp, sample.link_poses[sensor_]);
-    T_fixed_root.add(sample.stamp, Pose::Identity());
+    T_fixed_roots.front().add(sample.stamp, Pose::Identity());
   }
   while (!waiting_.empty() && waiting_.front().scan.lastBeamTime() <= recent_.back().stamp) {
     const SimulatedScan scan = std::move(waiting_.front());
@@ -136,7 +136,7 @@ void SelfFilterTrial::mapReady() {
     // The very first scan began before the robot was heard of.
     if (scan.scan.stamp < recent_.front().stamp) continue;
     const auto outcome =
-        monitor_.addScan(simulator_.now(), scan.scan, T_fixed_sensor, T_fixed_root);
+        monitor_.addScan(simulator_.now(), scan.scan, T_fixed_sensor, T_fixed_roots);
     if (!outcome.dropped.empty())
       throw std::runtime_error("a scan was dropped: " + outcome.dropped);
     countBeams(scan);

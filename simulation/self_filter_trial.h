@@ -76,8 +76,8 @@ class SelfFilterTrial {
     void validate() const;
   };
 
-  /// @param urdf what the monitor takes the robot for. @throws ConfigError
-  SelfFilterTrial(const Config& config, const std::string& urdf);
+  /// @param model what the monitor takes the robot for. @throws ConfigError
+  SelfFilterTrial(const Config& config, std::shared_ptr<const RobotModel> model);
 
   /// @param progress called with 0..1; may be empty.
   const SelfFilterTally& run(const std::function<void(double)>& progress);

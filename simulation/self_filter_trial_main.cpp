@@ -88,8 +88,7 @@ std::function<void(double)> progressBar() {
 MonitorSettings settingsOf(const Options& options) {
   MonitorSettings settings = readMonitorSettings(options.config);
   if (options.config.empty()) {
-    settings.assembler.robot.capsule_links = dualArmCapsuleLinks();
-    settings.checker.robot.capsule_links = dualArmCapsuleLinks();
+    settings.robot.capsule_links = dualArmCapsuleLinks();
     settings.mapper.mapper.map.grid.height_min_m = 0.1;
   }
   return settings;
@@ -98,26 +97,27 @@ MonitorSettings settingsOf(const Options& options) {
 nlohmann::ordered_json settingsToJson(const Options& options) {
   const Simulator::Config& simulator = options.trial.simulator;
   const ScanAssembler::Config& assembler = options.trial.monitor.assembler;
-  return {{"minutes", options.minutes},
-          {"seed", simulator.seed},
-          {"scene", simulator.scene},
-          {"motion", simulator.motion},
-          {"speed_mps", simulator.controller.speed_mps},
-          {"clearance_m", simulator.wander_clearance_m},
-          {"pause_every_s", options.trial.pause_every_s},
-          {"noise_m", simulator.scanner.noise_m},
-          {"mixed_share", simulator.scanner.mixed_share},
-          {"mixed_persistence", simulator.scanner.mixed_persistence},
-          {"spot_deg", simulator.scanner.spot_deg},
-          {"body_error_m", simulator.body_error.size_m},
-          {"body_error", options.body_error},
-          {"self_filter", options.trial.monitor.self_filter},
-          {"self_filter_padding_m", assembler.body.padding_m},
-          {"self_filter_grazing_m", assembler.body.grazing_m},
-          {"self_filter_shadow_depth_m", assembler.body.shadow_depth_m},
-          {"mixed_pixel_separation_m", assembler.mixed_pixel.separation_m},
-          {"collision_padding_m", options.trial.monitor.checker.pose.expansion.padding_m},
-          {"support_points", options.trial.monitor.checker.pose.collision.support_points}};
+  return {
+      {"minutes", options.minutes},
+      {"seed", simulator.seed},
+      {"scene", simulator.scene},
+      {"motion", simulator.motion},
+      {"speed_mps", simulator.controller.speed_mps},
+      {"clearance_m", simulator.wander_clearance_m},
+      {"pause_every_s", options.trial.pause_every_s},
+      {"noise_m", simulator.scanner.noise_m},
+      {"mixed_share", simulator.scanner.mixed_share},
+      {"mixed_persistence", simulator.scanner.mixed_persistence},
+      {"spot_deg", simulator.scanner.spot_deg},
+      {"body_error_m", simulator.body_error.size_m},
+      {"body_error", options.body_error},
+      {"self_filter", options.trial.monitor.self_filter},
+      {"self_filter_padding_m", options.trial.monitor.body.filtered.expansion.padding_m},
+      {"self_filter_grazing_m", assembler.body.grazing_m},
+      {"self_filter_shadow_depth_m", assembler.body.shadow_depth_m},
+      {"mixed_pixel_separation_m", assembler.mixed_pixel.separation_m},
+      {"collision_padding_m", options.trial.monitor.checker.pose.collision_use.expansion.padding_m},
+      {"support_points", options.trial.monitor.checker.pose.collision.support_points}};
 }
 
 void print(const SelfFilterTally& tally, const std::vector<std::string>& missed) {
@@ -146,7 +146,8 @@ int run(Options& options) {
   if (!std::filesystem::is_directory(options.out)) {
     throw std::runtime_error("cannot make the folder " + options.out);
   }
-  SelfFilterTrial trial(options.trial, dualArmUrdf());
+  SelfFilterTrial trial(options.trial,
+                        std::make_shared<const RobotModel>(dualArmUrdf(), settings.robot));
   const SelfFilterTally& tally = trial.run(progressBar());
   const std::vector<std::string> missed = options.limits.missed(tally);
 

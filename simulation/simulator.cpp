@@ -27,6 +27,12 @@ ArmPath pathOf(const Simulator::Config& config, const std::shared_ptr<const Robo
                      config.wander_clearance_m});
 }
 
+std::vector<std::size_t> handShapes(const RobotModel& model) {
+  LinkUse hand;
+  hand.links = kHandLinks;
+  return model.shapesFor(hand, kCollisionKeys).shapes;
+}
+
 Simulator::Config validated(Simulator::Config config) {
   config.validate();
   return config;
@@ -66,14 +72,14 @@ Simulator::Simulator(const Config& config)
       scanner_(config.scanner, config.seed),
       now_(config.start),
       scan_start_(config.start),
-      hand_shapes_(model_->shapesOf(kHandLinks, "hand links")),
+      hand_shapes_(handShapes(*model_)),
       tilt_(variableIndex(*model_, "laser_tilt_joint")),
       sensor_(linkIndex(*model_, "laser_link")),
       palm_(linkIndex(*model_, "right_palm_link")) {
   requireRoomForObstacle();
   sampled_hand_ = handAt(0.0).shapes;
   controller_.step(now_, stop_);
-  kinematics_.update(jointsAt(0.0, now_), Pose::Identity());
+  kinematics_.update(jointsAt(0.0, now_), {Pose::Identity()});
   snapshots_.push_back(snapshot());
 }
 
@@ -91,7 +97,7 @@ StepOutput Simulator::step() {
   }
   maybeAddObstacle();
   const std::vector<double> joints = jointsAt(controller_.distance(), now_);
-  kinematics_.update(joints, Pose::Identity());
+  kinematics_.update(joints, {Pose::Identity()});
   if (now_ + kStep > scan_start_) snapshots_.push_back(snapshot());
 
   StepOutput output;
@@ -120,12 +126,12 @@ HandState Simulator::handAt(double path_distance) const {
   constexpr double kAhead = 1e-3;  // [m] over which the heading is taken
   const double from = std::min(path_distance, path_.length() - kAhead);
   Kinematics kinematics(model_);
-  kinematics.update(path_.positions(from + kAhead), Pose::Identity());
+  kinematics.update(path_.positions(from + kAhead), {Pose::Identity()});
   const Vector3 later = kinematics.linkPoses()[palm_].translation();
-  kinematics.update(path_.positions(from), Pose::Identity());
+  kinematics.update(path_.positions(from), {Pose::Identity()});
   const Vector3 heading = (later - kinematics.linkPoses()[palm_].translation()).normalized();
 
-  kinematics.update(path_.positions(path_distance), Pose::Identity());
+  kinematics.update(path_.positions(path_distance), {Pose::Identity()});
   Body body;
   for (const std::size_t shape : hand_shapes_) {
     body.shapes.push_back(model_->shapes()[shape].shape);

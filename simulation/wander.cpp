@@ -54,7 +54,7 @@ class PostureCheck {
   }
 
   [[nodiscard]] bool passes(const Joints& joints) {
-    kinematics_.update(joints, Pose::Identity());
+    kinematics_.update(joints, {Pose::Identity()});
     for (std::size_t i = 0; i < body_.size(); ++i) {
       if (body_[i].part == Part::kTrunk) continue;
       for (const Obstacle& obstacle : scene_) {
@@ -248,9 +248,9 @@ class Wanderer {
   }
 
   [[nodiscard]] double palmTravel(const Joints& from, const Joints& to) {
-    kinematics_.update(from, Pose::Identity());
+    kinematics_.update(from, {Pose::Identity()});
     const std::array<Vector3, 2> before = palms();
-    kinematics_.update(to, Pose::Identity());
+    kinematics_.update(to, {Pose::Identity()});
     const std::array<Vector3, 2> after = palms();
     return std::max((after[0] - before[0]).norm(), (after[1] - before[1]).norm());
   }

@@ -1,5 +1,6 @@
 #include "tccm_monitor/monitor.h"
 
+#include "tccm_monitor/config_error.h"
 #include "tccm_monitor/stopwatch.h"
 
 namespace tccm {
@@ -14,15 +15,11 @@ void takeReturns(const AssembledScan& scan, ScanReturns& returns) {
   }
 }
 
-Monitor::Monitor(const Config& config, const std::string& urdf)
+Monitor::Monitor(const Config& config, std::shared_ptr<const RobotModel> model)
     : assembler_(config.assembler), mapper_(config.mapper) {
-  if (urdf.empty()) return;
-  if (config.self_filter) {
-    body_ = std::make_unique<BodySampler>(
-        std::make_shared<const RobotModel>(urdf, config.filtered_links), config.body);
-  }
-  checker_ = std::make_unique<Checker>(
-      std::make_shared<const RobotModel>(urdf, config.checked_links), config.checker);
+  if (!model) return;
+  if (config.self_filter) body_ = std::make_unique<BodySampler>(model, config.body);
+  checker_ = std::make_unique<Checker>(std::move(model), config.checker);
 }
 
 void Monitor::addJoints(Time stamp, const std::vector<std::string>& names,
@@ -41,12 +38,12 @@ void Monitor::reset() {
 
 Monitor::ScanOutcome Monitor::addScan(Time now, const LaserScan& scan,
                                       const PosePath& T_fixed_sensor,
-                                      const PosePath& T_fixed_root) {
+                                      const std::vector<PosePath>& T_fixed_roots) {
   ScanOutcome outcome;
   Stopwatch stopwatch;
   static const std::vector<BodySample> kNobody;
   if (body_) {
-    outcome.dropped = body_->sample(scan.stamp, scan.lastBeamTime(), T_fixed_root);
+    outcome.dropped = body_->sample(scan.stamp, scan.lastBeamTime(), T_fixed_roots);
     if (!outcome.dropped.empty()) return outcome;
   }
   outcome.dropped =
@@ -60,15 +57,40 @@ Monitor::ScanOutcome Monitor::addScan(Time now, const LaserScan& scan,
   if (!outcome.dropped.empty()) return outcome;
   outcome.added = mapped.added;
   outcome.integrate_us = stopwatch.lapMicroseconds();
+  publishMap(now);
+  outcome.snapshot_us = stopwatch.lapMicroseconds();
+  return outcome;
+}
+
+void Monitor::publishMap(Time now) {
   newest_ = 1 - newest_;
   if (!maps_[newest_]) {
     maps_[newest_] = std::make_shared<CuboidMap>();
     mapper_.reserve(*maps_[newest_]);
   }
   mapper_.snapshot(*maps_[newest_]);
-  outcome.snapshot_us = stopwatch.lapMicroseconds();
   if (checker_) checker_->setMap(now, maps_[newest_]);
-  return outcome;
+}
+
+void Monitor::attach(Time now, const AttachedObject& object, double forget_padding_m) {
+  const auto T_fixed_link = checker_->linkPose(now, object.link);
+  if (!T_fixed_link) {
+    throw ConfigError("object '" + object.name + "': link '" + object.link +
+                      "' cannot be placed: joints or transforms are missing or too old");
+  }
+  const PlacedShape seen{object.primitive.shape, *T_fixed_link * object.primitive.pose};
+  const Region region{{seen, forget_padding_m}};
+  validate(region);
+  checker_->attach(object);
+  if (body_) body_->setModel(checker_->sharedModel());
+  mapper_.forget(region, now);
+  if (maps_[newest_]) publishMap(now);
+}
+
+bool Monitor::detach(const std::string& object) {
+  if (!checker_->detach(object)) return false;
+  if (body_) body_->setModel(checker_->sharedModel());
+  return true;
 }
 
 }  // namespace tccm

@@ -74,10 +74,10 @@ class MonitorTest : public ::testing::Test {
       sensor.add(at(now_ - 0.001), sensorAt(now_ - 0.001));
       sensor.add(at(now_), sensorAt(now_));
       sensor.add(at(now_ + 0.001), sensorAt(now_ + 0.001));
-      outcome = monitor.addScan(at(now_ + 0.01), scanOfTable(now_), sensor, root);
+      outcome = monitor.addScan(at(now_ + 0.01), scanOfTable(now_), sensor, {root});
       EXPECT_EQ(outcome.dropped, "");
       if (!monitor.hasRobot()) continue;
-      monitor.checker().setRootPose(Time(), Pose::Identity(), true);
+      monitor.checker().setRootPose(0, Time(), Pose::Identity(), true);
       verdict_ = &monitor.checker().check(at(now_ + 0.01));
       if (verdict_->level == Level::kOk && !first_ok_) first_ok_ = now_;
     }
@@ -90,7 +90,7 @@ class MonitorTest : public ::testing::Test {
 };
 
 TEST_F(MonitorTest, ARobotOverATableIsUnknownThenFreeThenInCollision) {
-  Monitor monitor(configuration(), ballOnSlide());
+  Monitor monitor(configuration(), test::modelOf(ballOnSlide()));
   ASSERT_TRUE(monitor.hasRobot());
   runUntil(monitor, 101.0, 0.8);
   EXPECT_EQ(verdict_->reason, Reason::kInit);
@@ -107,7 +107,7 @@ TEST_F(MonitorTest, ARobotOverATableIsUnknownThenFreeThenInCollision) {
 }
 
 TEST_F(MonitorTest, TheTableIsInTheMapAtItsHeight) {
-  Monitor monitor(configuration(), "");
+  Monitor monitor(configuration(), nullptr);
   EXPECT_EQ(monitor.map(), nullptr);
   const auto outcome = runUntil(monitor, 103.0, 0.8);
   EXPECT_GT(outcome.added.mapped, 0U);
@@ -122,7 +122,7 @@ TEST_F(MonitorTest, TheTableIsInTheMapAtItsHeight) {
 }
 
 TEST_F(MonitorTest, WithoutARobotThereIsAMapAndNothingIsChecked) {
-  Monitor monitor(configuration(), "");
+  Monitor monitor(configuration(), nullptr);
   EXPECT_FALSE(monitor.hasRobot());
   EXPECT_EQ(monitor.body(), nullptr);
   runUntil(monitor, 100.1, 0.8);
@@ -131,11 +131,11 @@ TEST_F(MonitorTest, WithoutARobotThereIsAMapAndNothingIsChecked) {
 }
 
 TEST_F(MonitorTest, TheRobotItselfDoesNotReachTheMap) {
-  Monitor filtering(configuration(), ballOnSlide());
+  Monitor filtering(configuration(), test::modelOf(ballOnSlide()));
   const auto outcome = runUntil(filtering, 100.5, kTableHeight);
   Monitor::Config config = configuration();
   config.self_filter = false;
-  Monitor open(config, ballOnSlide());
+  Monitor open(config, test::modelOf(ballOnSlide()));
   EXPECT_EQ(open.body(), nullptr);
   now_ = 100.0;
   const auto unfiltered = runUntil(open, 100.5, kTableHeight);
@@ -149,28 +149,28 @@ TEST_F(MonitorTest, TheRobotItselfDoesNotReachTheMap) {
 }
 
 TEST_F(MonitorTest, AScanThatCannotBePlacedIsDroppedWithItsReason) {
-  Monitor monitor(configuration(), ballOnSlide());
+  Monitor monitor(configuration(), test::modelOf(ballOnSlide()));
   PosePath sensor, root;
   sensor.add(at(99.9), sensorAt(99.9));
   sensor.add(at(100.1), sensorAt(100.1));
   root.add(at(0.0), Pose::Identity());
   root.add(at(1000.0), Pose::Identity());
   const LaserScan scan = scanOfTable(100.0);
-  EXPECT_EQ(monitor.addScan(at(100.1), scan, sensor, root).dropped, "no_joint_states");
+  EXPECT_EQ(monitor.addScan(at(100.1), scan, sensor, {root}).dropped, "no_joint_states");
   monitor.addJoints(at(99.99), {"height"}, {0.8}, {});
   monitor.addJoints(at(100.05), {"height"}, {0.8}, {});
-  EXPECT_EQ(monitor.addScan(at(100.1), scan, sensor, PosePath()).dropped, "no_transform");
+  EXPECT_EQ(monitor.addScan(at(100.1), scan, sensor, {PosePath()}).dropped, "no_transform");
   LaserScan broken = scan;
   broken.range_max = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(monitor.addScan(at(100.1), broken, sensor, root).dropped, "malformed");
+  EXPECT_EQ(monitor.addScan(at(100.1), broken, sensor, {root}).dropped, "malformed");
   EXPECT_EQ(monitor.map(), nullptr);
-  EXPECT_EQ(monitor.addScan(at(100.1), scan, sensor, root).dropped, "");
-  EXPECT_EQ(monitor.addScan(at(100.1), scan, sensor, root).dropped, "out_of_order");
+  EXPECT_EQ(monitor.addScan(at(100.1), scan, sensor, {root}).dropped, "");
+  EXPECT_EQ(monitor.addScan(at(100.1), scan, sensor, {root}).dropped, "out_of_order");
   EXPECT_EQ(monitor.map()->serial, 1U);
 }
 
 TEST_F(MonitorTest, AfterAResetItIsAsAtTheStartButSerialsGoOn) {
-  Monitor monitor(configuration(), ballOnSlide());
+  Monitor monitor(configuration(), test::modelOf(ballOnSlide()));
   runUntil(monitor, 103.0, 0.8);
   ASSERT_EQ(verdict_->reason, Reason::kClear);
   const std::uint32_t serial = monitor.map()->serial;
@@ -183,7 +183,8 @@ TEST_F(MonitorTest, AfterAResetItIsAsAtTheStartButSerialsGoOn) {
 }
 
 TEST_F(MonitorTest, TwoMonitorsGiveTheSameVerdictsForTheSameInput) {
-  Monitor one(configuration(), ballOnSlide()), other(configuration(), ballOnSlide());
+  Monitor one(configuration(), test::modelOf(ballOnSlide())),
+      other(configuration(), test::modelOf(ballOnSlide()));
   runUntil(one, 102.5, 0.6);
   now_ = 100.0;
   runUntil(other, 102.5, 0.6);
@@ -215,8 +216,7 @@ TEST(TakeReturnsTest, OnlyWhatIsForTheMapIsTaken) {
 TEST(MonitorConfigTest, AConfigurationThatMustNotBeRunWithIsRefused) {
   Monitor::Config config = configuration();
   config.mapper.map.thickness_m = 0.0;
-  EXPECT_THROW(Monitor(config, ""), ConfigError);
-  EXPECT_THROW(Monitor(configuration(), "no robot"), ConfigError);
+  EXPECT_THROW(Monitor(config, nullptr), ConfigError);
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <set>
 
+#include "program.h"
+
 namespace tccm {
 namespace {
 

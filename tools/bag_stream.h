@@ -6,17 +6,10 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include <functional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace tccm {
-
-/// Input that a program cannot work with. what() says it in one line.
-class InputError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 /// The messages of a bag that concern the monitor, in the order they were recorded, from files with
 /// or without compression.

@@ -1,25 +1,19 @@
 #include <console_bridge/console.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
-#include <iterator>
 #include <memory>
 #include <string>
 
 #include "bag_stream.h"
 #include "evaluation.h"
+#include "program.h"
 #include "report.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {
-
-constexpr int kDone = 0;
-constexpr int kBadInput = 2;
 
 struct Options {
   std::string bag;
@@ -45,8 +39,8 @@ void describe(CLI::App& app, Options& options) {
   app.add_option("--out", options.out, "folder for summary.json; made where it is not there")
       ->required();
   app.add_option("--package-path", options.package_path,
-                 "folder with a robot's packages: package://P/x is DIR/P/x. Accepted for robots "
-                 "that have meshes; monitored links need primitives, and meshes are refused");
+                 "folder with a robot's packages: package://P/x is DIR/P/x where P is there, and "
+                 "is looked for among the ROS packages elsewhere");
   app.add_option("--dump-points", options.dump_points,
                  "CSV of the points that reached the map: scan,x,y,z");
   app.add_option("--dump-cuboids", options.dump_cuboids,
@@ -56,30 +50,19 @@ void describe(CLI::App& app, Options& options) {
                  "the joint state's, the scan the newest in the map");
 }
 
-std::string readText(const std::string& path, const std::string& what) {
-  std::ifstream file(path);
-  const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (!file) throw InputError("cannot read " + what + ": " + path);
-  if (text.empty()) throw InputError(what + " is empty: " + path);
-  return text;
+/// Nothing where no robot is asked for.
+std::shared_ptr<const RobotModel> readModel(const Options& options,
+                                            const MonitorSettings& settings) {
+  const RobotResources resources = resourcesIn(options.package_path);
+  if (options.urdf.empty()) return nullptr;
+  return std::make_shared<const RobotModel>(readText(options.urdf, "the URDF"), settings.robot,
+                                            resources);
 }
 
 void makeFolder(const std::string& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);
   if (!std::filesystem::is_directory(path)) throw InputError("cannot make the folder " + path);
-}
-
-/// A bar on standard error; nothing where that is no terminal.
-std::function<void(double)> progressBar() {
-  if (isatty(STDERR_FILENO) == 0) return {};
-  return [shown = -1](double fraction) mutable {
-    const int percent = static_cast<int>(100.0 * fraction);
-    if (percent == shown) return;
-    shown = percent;
-    const std::string bar(static_cast<std::size_t>(percent / 2), '#');
-    std::fprintf(stderr, "\r[%-50s] %3d %%%s", bar.c_str(), percent, percent == 100 ? "\n" : "");
-  };
 }
 
 /// The dumps that were asked for; null where not.
@@ -127,12 +110,9 @@ void requireFixedFrame(const Evaluation& evaluation) {
 
 void evaluate(const Options& options) {
   const MonitorSettings settings = readMonitorSettings(options.config);
-  const std::string urdf = options.urdf.empty() ? "" : readText(options.urdf, "the URDF");
-  if (!options.package_path.empty() && !std::filesystem::is_directory(options.package_path)) {
-    throw InputError("--package-path: no such folder: " + options.package_path);
-  }
+  const auto model = readModel(options, settings);
   const BagStream bag(options.bag,
-                      {settings.scan_topic, settings.joint_states_topic, !urdf.empty()});
+                      {settings.scan_topic, settings.joint_states_topic, model != nullptr});
   makeFolder(options.out);
   const Dumps dumps(options);
   Evaluation::Observer observer;
@@ -142,7 +122,7 @@ void evaluate(const Options& options) {
   if (dumps.verdicts) {
     observer.checked = [&dumps](const Verdict& verdict) { dumpVerdict(verdict, *dumps.verdicts); };
   }
-  Evaluation evaluation(settings, urdf, observer);
+  Evaluation evaluation(settings, model, observer);
   play(bag, evaluation);
   requireFixedFrame(evaluation);
   const CuboidMap* map = evaluation.monitor().map();
@@ -151,10 +131,7 @@ void evaluate(const Options& options) {
 
   const auto summary = summaryOf(evaluation, settings);
   const std::string path = (std::filesystem::path(options.out) / "summary.json").string();
-  std::ofstream file(path);
-  file << summary.dump(2) << '\n';
-  file.close();
-  if (!file) throw InputError("cannot write " + path);
+  writeText(path, summary.dump(2) + '\n');
   printSummary(summary, std::cout);
   std::cout << "written  " << path << '\n';
 }

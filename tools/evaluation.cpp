@@ -14,14 +14,17 @@ constexpr Duration kTransformsKept = std::chrono::seconds(10);
 
 }  // namespace
 
-Evaluation::Evaluation(const MonitorSettings& settings, const std::string& urdf, Observer observer)
-    : monitor_(settings.monitorConfig(), urdf),
+Evaluation::Evaluation(const MonitorSettings& settings, std::shared_ptr<const RobotModel> model,
+                       Observer observer)
+    : monitor_(settings.monitorConfig(), std::move(model)),
       observer_(std::move(observer)),
       fixed_frame_(withoutSlash(settings.assembler.fixed_frame)),
-      root_frame_(monitor_.hasRobot() ? monitor_.checker().model().rootLink() : std::string()),
+      root_frames_(monitor_.hasRobot() ? monitor_.checker().model().rootLinks()
+                                       : std::vector<std::string>()),
       buffer_(toRos(kTransformsKept)),
       transforms_(buffer_, fromSeconds(settings.assembler.transform_gap_max_s), kTransformsKept),
-      source_(settings.assembler, monitor_.body() ? root_frame_ : std::string(), transforms_) {}
+      source_(settings.assembler, monitor_.body() ? root_frames_ : std::vector<std::string>(),
+              transforms_) {}
 
 void Evaluation::add(const sensor_msgs::LaserScan& message, const std::string& publisher) {
   moveClock(toTime(message.header.stamp), publisher);
@@ -79,7 +82,7 @@ void Evaluation::mapReady() {
   while (const ScanSource::Ready* ready = source_.next(joints, *now_)) {
     Stopwatch stopwatch;
     const auto outcome =
-        monitor_.addScan(*now_, ready->scan, ready->T_fixed_sensor, ready->T_fixed_root);
+        monitor_.addScan(*now_, ready->scan, ready->T_fixed_sensor, ready->T_fixed_roots);
     if (!outcome.dropped.empty()) {
       ++totals_.scans_dropped[outcome.dropped];
       continue;
@@ -110,8 +113,9 @@ void Evaluation::count(const Monitor::ScanOutcome& outcome) {
 
 void Evaluation::check() {
   Checker& checker = monitor_.checker();
-  if (const auto root = transforms_.newest(fixed_frame_, root_frame_)) {
-    checker.setRootPose(root->stamp, root->pose, root->is_static);
+  for (std::size_t i = 0; i < root_frames_.size(); ++i) {
+    const auto root = transforms_.newest(fixed_frame_, root_frames_[i]);
+    if (root) checker.setRootPose(i, root->stamp, root->pose, root->is_static);
   }
   const Verdict& verdict = checker.check(*now_);
   ++totals_.checks;

@@ -76,8 +76,10 @@ class Evaluation {
     std::function<void(const Verdict&)> checked;
   };
 
-  /// @param urdf empty: the surroundings are mapped, and nothing is checked. @throws ConfigError
-  Evaluation(const MonitorSettings& settings, const std::string& urdf, Observer observer);
+  /// @param model nothing: the surroundings are mapped, and nothing is checked.
+  /// @throws ConfigError
+  Evaluation(const MonitorSettings& settings, std::shared_ptr<const RobotModel> model,
+             Observer observer);
 
   /// @param publisher whose stamps rise, unless time jumps back.
   void add(const sensor_msgs::LaserScan& message, const std::string& publisher);
@@ -89,6 +91,13 @@ class Evaluation {
   /// Complete after finish().
   [[nodiscard]] const Totals& totals() const { return totals_; }
   [[nodiscard]] const Monitor& monitor() const { return monitor_; }
+  [[nodiscard]] bool hasRobot() const { return monitor_.hasRobot(); }
+  /// @pre hasRobot()
+  [[nodiscard]] const RobotModel& model() const { return monitor_.checker().model(); }
+  /// Joints that moves a monitored link and that nothing published. @pre hasRobot()
+  [[nodiscard]] std::vector<std::string> missingJoints() const {
+    return monitor_.checker().missingJoints();
+  }
   [[nodiscard]] const std::string& fixedFrame() const { return fixed_frame_; }
   /// All that the recording's transforms name.
   [[nodiscard]] const std::set<std::string>& frames() const { return frames_; }
@@ -105,7 +114,7 @@ class Evaluation {
   Monitor monitor_;
   Observer observer_;
   std::string fixed_frame_;
-  std::string root_frame_;  ///< empty without a robot
+  std::vector<std::string> root_frames_;  ///< none without a robot
   tf2::BufferCore buffer_;
   TransformHistory transforms_;
   std::set<std::string> frames_;

@@ -4,8 +4,9 @@
 #include <cmath>
 #include <cstdio>
 #include <numeric>
+#include <set>
 
-#include "bag_stream.h"
+#include "program.h"
 
 namespace tccm {
 namespace {
@@ -80,6 +81,18 @@ Json mapOf(const Evaluation& evaluation, const MonitorSettings& settings) {
           {"overflowed_fraction", fraction(totals.overflowed_maps, totals.scans_mapped)},
           {"cuboids", cuboidsOf(totals)},
           {"memory_bytes", map.memoryBytes()}};
+}
+
+Json robotOf(const Evaluation& evaluation) {
+  if (!evaluation.hasRobot()) return nullptr;
+  const RobotModel& model = evaluation.model();
+  std::set<std::size_t> links;
+  for (const LinkShape& shape : model.shapes()) links.insert(shape.link);
+  return {{"name", model.name()},
+          {"links_monitored", links.size()},
+          {"primitives", model.shapes().size()},
+          {"links_without_shape", model.linksWithoutShape()},
+          {"joints_never_published", evaluation.missingJoints()}};
 }
 
 Json stopsOf(const Totals& totals) {
@@ -168,6 +181,7 @@ Json summaryOf(const Evaluation& evaluation, const MonitorSettings& settings) {
           {"scans_dropped", dropped},
           {"points", pointsOf(totals)},
           {"map", mapOf(evaluation, settings)},
+          {"robot", robotOf(evaluation)},
           {"checks", totals.checks},
           {"collision_fraction", fraction(totals.collisions, totals.checks)},
           {"occlusion_fraction", fraction(totals.occlusions, totals.checks)},
@@ -197,6 +211,14 @@ void printSummary(const Json& summary, std::ostream& out) {
   if (points["overflowed"] > 0) {
     out << "warning  " << points["overflowed"]
         << " points did not fit into the map: raise intervals_max or window_returns_max\n";
+  }
+  const Json& robot = summary["robot"];
+  if (!robot.is_null()) {
+    out << "robot    " << robot["links_monitored"] << " links monitored, " << robot["primitives"]
+        << " primitives; " << robot["links_without_shape"].size() << " links have no shape\n";
+    for (const auto& joint : robot["joints_never_published"]) {
+      out << "warning  joint " << joint << " was never published\n";
+    }
   }
   out << "checks   " << summary["checks"] << ": stop " << percent(summary["stop_fraction"])
       << ", collision " << percent(summary["collision_fraction"]) << ", occlusion "

@@ -23,8 +23,6 @@ class Monitor {
     bool self_filter = true;
     BodySampler::Config body;
     Mapper::Config mapper;
-    RobotModel::Config filtered_links;
-    RobotModel::Config checked_links;
     Checker::Config checker;
   };
 
@@ -39,12 +37,14 @@ class Monitor {
     double snapshot_us = 0.0;
   };
 
-  /// @param urdf empty: the surroundings are mapped, and nothing is checked. @throws ConfigError
-  Monitor(const Config& config, const std::string& urdf);
+  /// @param model nothing: the surroundings are mapped, and nothing is checked.
+  /// @throws ConfigError
+  Monitor(const Config& config, std::shared_ptr<const RobotModel> model);
 
   [[nodiscard]] bool hasRobot() const { return checker_ != nullptr; }
   /// @pre hasRobot()
   [[nodiscard]] Checker& checker() { return *checker_; }
+  [[nodiscard]] const Checker& checker() const { return *checker_; }
   /// Nothing where no robot is filtered out.
   [[nodiscard]] const BodySampler* body() const { return body_.get(); }
   [[nodiscard]] const Mapper& mapper() const { return mapper_; }
@@ -53,9 +53,17 @@ class Monitor {
   void addJoints(Time stamp, const std::vector<std::string>& names,
                  const std::vector<double>& positions, const std::vector<double>& velocities);
   /// @param now when it is processed, by the clock of the stamps.
-  /// @param T_fixed_root needed where a robot is filtered out.
+  /// @param T_fixed_roots one for each of the model's roots, where a robot is filtered out.
   ScanOutcome addScan(Time now, const LaserScan& scan, const PosePath& T_fixed_sensor,
-                      const PosePath& T_fixed_root);
+                      const std::vector<PosePath>& T_fixed_roots);
+  /// The robot holds something from now on: it joins the body for filter and check, and what was
+  /// seen of it leaves the map, also in scans stamped up to now that are still to come.
+  /// @param forget_padding_m what was seen this near to it was the object.
+  /// @throws ConfigError where the object's link cannot be placed, or the object is no good; then
+  /// nothing has changed. @pre hasRobot()
+  void attach(Time now, const AttachedObject& object, double forget_padding_m);
+  /// @return false where no object has that name. @pre hasRobot()
+  bool detach(const std::string& object);
   /// As at the start: after time has jumped back. Serials go on.
   void reset();
   /// The last scan that was assembled, also where the mapper dropped it.
@@ -66,6 +74,9 @@ class Monitor {
   [[nodiscard]] const CuboidMap* map() const { return maps_[newest_].get(); }
 
  private:
+  /// A snapshot for the checker, which may hold the one before.
+  void publishMap(Time now);
+
   std::unique_ptr<BodySampler> body_;
   ScanAssembler assembler_;
   Mapper mapper_;

@@ -15,12 +15,19 @@ std::string ageText(const std::string& what, Duration age) {
   return text;
 }
 
-/// A mimic joint whose position, as asked about, is not what its source makes it.
-std::optional<std::string> mimicThatContradicts(const RobotModel& model,
+constexpr double kTolerance = 1e-3;  // [rad or m]
+
+/// A mimic or fixed joint whose position, as asked about, is not what its source or the
+/// configuration makes it.
+std::optional<std::string> jointThatContradicts(const RobotModel& model,
                                                 const std::vector<double>& variables,
                                                 const std::vector<std::string>& names,
                                                 const std::vector<double>& positions) {
-  constexpr double kTolerance = 1e-3;  // [rad or m]
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto fixed = model.fixedJoints().find(names[i]);
+    if (fixed == model.fixedJoints().end()) continue;
+    if (std::abs(positions[i] - fixed->second) > kTolerance) return names[i];
+  }
   for (const RobotJoint& joint : model.joints()) {
     if (joint.motion == RobotJoint::Motion::kFixed) continue;
     const auto named = std::find(names.begin(), names.end(), joint.name);
@@ -30,6 +37,18 @@ std::optional<std::string> mimicThatContradicts(const RobotModel& model,
     if (std::abs(asked - follows) > kTolerance) return joint.name;
   }
   return std::nullopt;
+}
+
+std::string neverPublished(const std::vector<std::string>& joints) {
+  constexpr std::size_t kNamed = 5;
+  if (joints.empty()) return "no joint states";
+  std::string names;
+  for (std::size_t i = 0; i < std::min(kNamed, joints.size()); ++i) {
+    names += (i > 0 ? ", '" : "'") + joints[i] + "'";
+  }
+  if (joints.size() > kNamed) names += " and " + std::to_string(joints.size() - kNamed) + " more";
+  return joints.size() == 1 ? "joint " + names + " was never published"
+                            : "joints " + names + " were never published";
 }
 
 }  // namespace
@@ -50,10 +69,14 @@ void Checker::Config::validate() const {
 Checker::Checker(std::shared_ptr<const RobotModel> model, const Config& config)
     : model_(std::move(model)),
       config_((config.validate(), config)),
+      bare_model_(model_),
       joints_(*model_, config.joints),
+      kinematics_(model_),
       check_now_(model_, config.pose),
       check_ahead_(model_, config.pose),
       check_state_(model_, config.pose),
+      roots_(model_->roots().size()),
+      T_fixed_roots_(model_->roots().size(), Pose::Identity()),
       positions_ahead_(model_->variables().size()) {}
 
 JointStates::Added Checker::addJoints(Time stamp, const std::vector<std::string>& names,
@@ -69,8 +92,57 @@ void Checker::reconfigure(const Config& config) {
   check_now_ = check_ahead_ = check_state_ = std::move(check);
 }
 
-void Checker::setRootPose(Time stamp, const Pose& T_fixed_root, bool is_static) {
-  if (isRigid(T_fixed_root)) root_ = RootPose{stamp, T_fixed_root, is_static};
+void Checker::setRootPose(std::size_t root, Time stamp, const Pose& T_fixed_root, bool is_static) {
+  if (!isRigid(T_fixed_root)) return;
+  roots_[root] = RootPose{stamp, is_static};
+  T_fixed_roots_[root] = T_fixed_root;
+}
+
+bool Checker::rootsKnown() const {
+  return std::all_of(roots_.begin(), roots_.end(), [](const auto& root) { return bool(root); });
+}
+
+void Checker::hold(std::vector<AttachedObject> objects) {
+  auto model = std::make_shared<const RobotModel>(bare_model_->holding(objects));
+  PoseCheck check(model, config_.pose);
+  model_ = std::move(model);
+  attached_ = std::move(objects);
+  check_now_ = check_ahead_ = check_state_ = std::move(check);
+  verdict_.now = {};  // its shapes are numbered as before
+  verdict_.ahead = {};
+  verdict_.placed = false;
+}
+
+void Checker::attach(const AttachedObject& object) {
+  std::vector<AttachedObject> objects = attached_;
+  objects.erase(std::remove_if(objects.begin(), objects.end(),
+                               [&](const auto& other) { return other.name == object.name; }),
+                objects.end());
+  objects.push_back(object);
+  hold(std::move(objects));
+}
+
+bool Checker::detach(const std::string& object) {
+  std::vector<AttachedObject> objects = attached_;
+  objects.erase(std::remove_if(objects.begin(), objects.end(),
+                               [&](const auto& other) { return other.name == object; }),
+                objects.end());
+  if (objects.size() == attached_.size()) return false;
+  hold(std::move(objects));
+  return true;
+}
+
+std::optional<Pose> Checker::linkPose(Time now, const std::string& link) {
+  if (!started_) started_ = now;
+  const JointSnapshot* joints = joints_.latest();
+  const auto found = std::find(model_->links().begin(), model_->links().end(), link);
+  if (found == model_->links().end() || clock_stalls_ ||
+      jointsCause(now, joints).reason != Reason::kClear ||
+      rootCause(now).reason != Reason::kClear) {
+    return std::nullopt;
+  }
+  kinematics_.update(joints->positions, T_fixed_roots_);
+  return kinematics_.linkPoses()[static_cast<std::size_t>(found - model_->links().begin())];
 }
 
 void Checker::setMap(Time now, std::shared_ptr<const CuboidMap> map) {
@@ -91,7 +163,7 @@ void Checker::reset() {
   map_.reset();
   scan_period_s_.reset();
   started_.reset();
-  root_.reset();
+  std::fill(roots_.begin(), roots_.end(), std::nullopt);
   was_known_ = false;
   last_stop_.reset();
 }
@@ -104,10 +176,7 @@ Checker::Cause Checker::jointsCause(Time now, const JointSnapshot* joints) const
   if (!joints) {
     if (within(now, config_.joint_timeout_s))
       return {Reason::kInit, "waiting for joint states", {}};
-    const auto missing = joints_.missingJoint();
-    return {Reason::kNoJoints,
-            missing ? "joint '" + *missing + "' was never published" : "no joint states",
-            {}};
+    return {Reason::kNoJoints, neverPublished(joints_.missingJoints()), {}};
   }
   const Duration lead = joints->newest - now;
   if (lead > fromSeconds(config_.future_max_s)) {
@@ -121,21 +190,34 @@ Checker::Cause Checker::jointsCause(Time now, const JointSnapshot* joints) const
 }
 
 Checker::Cause Checker::rootCause(Time now) const {
-  if (!root_) {
+  Cause worst;
+  for (std::size_t root = 0; root < roots_.size(); ++root) {
+    Cause cause = rootCause(now, root);
+    if (cause.reason > worst.reason) worst = std::move(cause);
+  }
+  return worst;
+}
+
+Checker::Cause Checker::rootCause(Time now, std::size_t index) const {
+  const std::optional<RootPose>& root = roots_[index];
+  const std::string& link = model_->links()[model_->roots()[index]];
+  if (!root) {
     if (within(now, config_.transform_timeout_s)) {
-      return {Reason::kInit, "waiting for the robot's pose", {}};
+      return {Reason::kInit, "waiting for the pose of '" + link + "'", {}};
     }
     return {Reason::kNoTransform,
-            "no transform from the robot's root '" + model_->rootLink() + "' to fixed_frame '" +
+            "no transform from the robot's root '" + link + "' to fixed_frame '" +
                 config_.fixed_frame + "'",
             {}};
   }
-  const Duration age = now - root_->stamp;
-  if (!root_->is_static && -age > fromSeconds(config_.transform_future_max_s)) {
-    return {Reason::kFuture, ageText("the robot's pose is stamped in the future,", age), {}};
+  const Duration age = now - root->stamp;
+  if (!root->is_static && -age > fromSeconds(config_.transform_future_max_s)) {
+    return {
+        Reason::kFuture, ageText("the pose of '" + link + "' is stamped in the future,", age), {}};
   }
-  if (root_->is_static || age <= fromSeconds(config_.transform_timeout_s)) return {};
-  return {Reason::kNoTransform, ageText("the robot's pose in the fixed frame is", age), {}};
+  if (root->is_static || age <= fromSeconds(config_.transform_timeout_s)) return {};
+  return {
+      Reason::kNoTransform, ageText("the pose of '" + link + "' in the fixed frame is", age), {}};
 }
 
 Checker::Cause Checker::mapCause(Time now) const {
@@ -171,8 +253,11 @@ Checker::Cause Checker::inputCause(Time now, const JointSnapshot* joints) const 
 Checker::Cause Checker::findingsCause(const PoseFindings& findings, bool ahead) const {
   const std::string when = ahead ? " ahead" : "";
   if (findings.collision) {
-    const std::string& link = model_->linkOf(findings.contacts.front().shape);
-    return {ahead ? Reason::kCollisionAhead : Reason::kCollision, link + " touches the map" + when,
+    const std::uint32_t shape = findings.contacts.front().shape;
+    const std::string& link = model_->linkOf(shape);
+    const std::string& object = model_->shapes()[shape].object;
+    const std::string who = object.empty() ? link : "'" + object + "' on " + link;
+    return {ahead ? Reason::kCollisionAhead : Reason::kCollision, who + " touches the map" + when,
             link};
   }
   if (findings.occlusion) {
@@ -216,11 +301,11 @@ const Verdict& Checker::check(Time now) {
   Cause cause = inputCause(now, joints);
   verdict_.known = cause.reason == Reason::kClear;
   verdict_.collision = verdict_.occlusion = false;
-  verdict_.placed = map_ && joints && root_;
+  verdict_.placed = map_ && joints && rootsKnown();
   if (verdict_.placed) {
     lookAhead(*joints);
-    check_now_.check(*map_, joints->positions, root_->T_fixed_root, verdict_.now);
-    check_ahead_.check(*map_, positions_ahead_, root_->T_fixed_root, verdict_.ahead);
+    check_now_.check(*map_, joints->positions, T_fixed_roots_, verdict_.now);
+    check_ahead_.check(*map_, positions_ahead_, T_fixed_roots_, verdict_.ahead);
     verdict_.collision = verdict_.now.collision || verdict_.ahead.collision;
     verdict_.occlusion = verdict_.now.occlusion || verdict_.ahead.occlusion;
     const Cause finding =
@@ -286,11 +371,12 @@ Checker::StateAnswer Checker::checkState(Time now, const std::vector<std::string
       if (model_->variables()[v].name == names[i]) asked[v] = positions[i];
     }
   }
-  if (const auto contradiction = mimicThatContradicts(*model_, asked, names, positions)) {
+  if (const auto contradiction = jointThatContradicts(*model_, asked, names, positions)) {
     return refuse(Reason::kBadQuestion,
-                  "joint '" + *contradiction + "' does not follow the joint that it mimics");
+                  "joint '" + *contradiction +
+                      "' is not where the joint that it mimics, or fixed_joints, puts it");
   }
-  check_state_.check(*map_, asked, root_->T_fixed_root, answer.findings);
+  check_state_.check(*map_, asked, T_fixed_roots_, answer.findings);
   const Cause found = findingsCause(answer.findings, false);
   answer.reason = found.reason;
   answer.detail = found.detail;

@@ -8,13 +8,12 @@
 namespace tccm {
 namespace {
 
-Body bodyOf(const RobotModel& model, const std::vector<std::size_t>& shapes,
-            const Expansion& expansion) {
+Body bodyOf(const RobotModel& model, const UsedShapes& used) {
   Body body;
-  for (const std::size_t i : shapes) {
-    body.shapes.push_back(expanded(model.shapes()[i].shape, expansion));
+  for (std::size_t i = 0; i < used.shapes.size(); ++i) {
+    body.shapes.push_back(expanded(model.shapes()[used.shapes[i]].shape, used.expansions[i]));
   }
-  body.poses.resize(shapes.size(), Pose::Identity());
+  body.poses.resize(body.shapes.size(), Pose::Identity());
   return body;
 }
 
@@ -34,8 +33,8 @@ void place(const std::vector<std::size_t>& shapes, const std::vector<Pose>& pose
 }  // namespace
 
 void PoseCheck::Config::validate() const {
-  requireInRange("primitive_scale", expansion.scale, 1.0, 3.0);
-  requireInRange("collision_padding_m", expansion.padding_m, 0.0, 1.0);
+  collision_use.validate(kCollisionKeys);
+  occlusion_use.validate(kOcclusionKeys);
   collision.validate();
   occlusion.validate();
 }
@@ -44,21 +43,21 @@ PoseCheck::PoseCheck(std::shared_ptr<const RobotModel> model, const Config& conf
     : model_(std::move(model)),
       config_((config.validate(), config)),
       kinematics_(model_),
-      collision_shapes_(model_->shapesOf(config.collision_links, "collision_links")),
-      occlusion_shapes_(model_->shapesOf(config.occlusion_links, "occlusion_links")),
-      collision_body_(bodyOf(*model_, collision_shapes_, config.expansion)),
-      occlusion_body_(bodyOf(*model_, occlusion_shapes_, Expansion{})),
+      collision_used_(model_->shapesFor(config.collision_use, kCollisionKeys)),
+      occlusion_used_(model_->shapesFor(config.occlusion_use, kOcclusionKeys)),
+      collision_body_(bodyOf(*model_, collision_used_)),
+      occlusion_body_(bodyOf(*model_, occlusion_used_)),
       collision_(config.collision),
-      occlusion_(config.occlusion, linksOf(*model_, occlusion_shapes_)) {}
+      occlusion_(config.occlusion, linksOf(*model_, occlusion_used_.shapes)) {}
 
 void PoseCheck::check(const CuboidMap& map, const std::vector<double>& positions,
-                      const Pose& T_fixed_root, PoseFindings& findings) {
+                      const std::vector<Pose>& T_fixed_roots, PoseFindings& findings) {
   Stopwatch stopwatch;
-  kinematics_.update(positions, T_fixed_root);
-  place(collision_shapes_, kinematics_.shapePoses(), collision_body_);
+  kinematics_.update(positions, T_fixed_roots);
+  place(collision_used_.shapes, kinematics_.shapePoses(), collision_body_);
   findings.contacts = collision_.find(map, collision_body_);
   for (Contact& contact : findings.contacts) {
-    contact.shape = static_cast<std::uint32_t>(collision_shapes_[contact.shape]);
+    contact.shape = static_cast<std::uint32_t>(collision_used_.shapes[contact.shape]);
   }
   findings.collision = !findings.contacts.empty();
   findings.collision_us = stopwatch.lapMicroseconds();
@@ -66,7 +65,7 @@ void PoseCheck::check(const CuboidMap& map, const std::vector<double>& positions
   findings.occluding_cuboids.clear();
   findings.occlusion = false;
   if (!config_.check_occlusion) return;
-  place(occlusion_shapes_, kinematics_.shapePoses(), occlusion_body_);
+  place(occlusion_used_.shapes, kinematics_.shapePoses(), occlusion_body_);
   const OcclusionCheck::Result& hidden = occlusion_.find(map, occlusion_body_);
   findings.links = hidden.links;
   findings.occluding_cuboids = hidden.cuboids;

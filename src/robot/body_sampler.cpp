@@ -9,6 +9,7 @@ namespace tccm {
 
 void BodySampler::Config::validate() const {
   joints.validate();
+  filtered.validate(kSelfFilterKeys);
   requireInRange("body_sample_s", sample_s, 1e-4, 1.0);
 }
 
@@ -17,22 +18,49 @@ BodySampler::BodySampler(std::shared_ptr<const RobotModel> model, const Config& 
       config_((config.validate(), config)),
       joints_(*model_, config.joints),
       kinematics_(model_) {
-  for (const LinkShape& shape : model_->shapes()) shapes_.push_back(shape.shape);
+  setModel(model_);
 }
 
-std::string BodySampler::sample(Time first, Time last, const PosePath& T_fixed_root) {
+void BodySampler::setModel(std::shared_ptr<const RobotModel> model) {
+  UsedShapes used = model->shapesFor(config_.filtered, kSelfFilterKeys);
+  model_ = std::move(model);
+  used_ = std::move(used);
+  kinematics_ = Kinematics(model_);
+  body_ = Body();
+  for (std::size_t i = 0; i < used_.shapes.size(); ++i) {
+    const Expansion& expansion = used_.expansions[i];
+    body_.shapes.push_back(
+        expanded(model_->shapes()[used_.shapes[i]].shape, Expansion{expansion.scale, 0.0}));
+    body_.paddings_m.push_back(expansion.padding_m);
+  }
+  body_.poses.resize(body_.shapes.size(), Pose::Identity());
+}
+
+bool BodySampler::placeRoots(Time stamp, const std::vector<PosePath>& T_fixed_roots) {
+  if (T_fixed_roots.size() != model_->roots().size()) return false;
+  roots_.resize(T_fixed_roots.size());
+  for (std::size_t i = 0; i < roots_.size(); ++i) {
+    const auto root = T_fixed_roots[i].at(stamp);
+    if (!root) return false;
+    roots_[i] = *root;
+  }
+  return true;
+}
+
+std::string BodySampler::sample(Time first, Time last, const std::vector<PosePath>& T_fixed_roots) {
   const double steps = std::ceil(toSeconds(last - first) / config_.sample_s);
   const auto intervals = static_cast<Duration::rep>(std::max(1.0, steps));
   samples_.resize(last > first ? static_cast<std::size_t>(intervals) + 1 : 1);
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     BodySample& sample = samples_[i];
     sample.stamp = first + (last - first) * static_cast<Duration::rep>(i) / intervals;
-    const auto root = T_fixed_root.at(sample.stamp);
-    if (!root) return "no_transform";
+    if (!placeRoots(sample.stamp, T_fixed_roots)) return "no_transform";
     if (!joints_.at(sample.stamp, positions_)) return "no_joint_states";
-    kinematics_.update(positions_, *root);
-    sample.body.shapes = shapes_;
-    sample.body.poses = kinematics_.shapePoses();
+    kinematics_.update(positions_, roots_);
+    sample.body = body_;
+    for (std::size_t k = 0; k < used_.shapes.size(); ++k) {
+      sample.body.poses[k] = kinematics_.shapePoses()[used_.shapes[k]];
+    }
   }
   return {};
 }

@@ -73,6 +73,14 @@ std::optional<std::string> JointStates::missingJoint() const {
   return std::nullopt;
 }
 
+std::vector<std::string> JointStates::missingJoints() const {
+  std::vector<std::string> missing;
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    if (tracks_[i].count == 0) missing.push_back(names_[i]);
+  }
+  return missing;
+}
+
 double JointStates::velocityOf(const Track& track) const {
   const Sample& newest = track.newest(0);
   const double reported = std::abs(newest.velocity) <= kLargest ? newest.velocity : 0.0;

@@ -9,9 +9,13 @@ Kinematics::Kinematics(std::shared_ptr<const RobotModel> model)
       link_poses_(model_->links().size(), Pose::Identity()),
       shape_poses_(model_->shapes().size(), Pose::Identity()) {}
 
-void Kinematics::update(const std::vector<double>& positions, const Pose& T_fixed_root) {
+void Kinematics::update(const std::vector<double>& positions,
+                        const std::vector<Pose>& T_fixed_roots) {
   assert(positions.size() == model_->variables().size());
-  link_poses_.front() = T_fixed_root;
+  assert(T_fixed_roots.size() == model_->roots().size());
+  for (std::size_t i = 0; i < T_fixed_roots.size(); ++i) {
+    link_poses_[model_->roots()[i]] = T_fixed_roots[i];
+  }
   for (const RobotJoint& joint : model_->joints()) {
     Pose& T_fixed_child = link_poses_[joint.child];
     T_fixed_child = link_poses_[joint.parent] * joint.T_parent_joint;

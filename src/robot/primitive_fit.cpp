@@ -98,9 +98,9 @@ double totalVolume(const PrimitiveFit& fit) {
 }  // namespace
 
 void PrimitiveFitConfig::validate() const {
-  requireInRange("primitives_max", primitives_max, 1, 16);
-  requireInRange("split_gain", split_gain, 0.0, 0.9);
-  requireInRange("margin_m", margin_m, 0.0, 0.1);
+  requireInRange("fit_primitives_max", primitives_max, 1, 16);
+  requireInRange("fit_split_gain", split_gain, 0.0, 0.9);
+  requireInRange("fit_margin_m", margin_m, 0.0, 0.1);
 }
 
 PrimitiveFit fitPrimitives(const Mesh& mesh, const PrimitiveFitConfig& config,

@@ -28,8 +28,8 @@ std_msgs::Bool flag(bool value) {
 }
 
 void write(const Checker::Config& config, tccm_monitor::CollisionCheckerConfig& shown) {
-  shown.collision_padding_m = config.pose.expansion.padding_m;
-  shown.primitive_scale = config.pose.expansion.scale;
+  shown.collision_padding_m = config.pose.collision_use.expansion.padding_m;
+  shown.primitive_scale = config.pose.collision_use.expansion.scale;
   shown.horizon_s = config.horizon_s;
   shown.support_points = config.pose.collision.support_points;
   shown.check_occlusion = config.pose.check_occlusion;
@@ -66,9 +66,8 @@ void CollisionChecker::onInit() {
 void CollisionChecker::setUp() {
   ros::NodeHandle& node = getNodeHandle();
   settings_ = readFromServer(getPrivateNodeHandle(), readCheckerSettings);
-  checker_ = std::make_unique<Checker>(
-      std::make_shared<const RobotModel>(readRobotDescription(node), settings_.robot),
-      settings_.checker);
+  checker_ = std::make_unique<Checker>(sharedRobotModel(node), settings_.checker);
+  attachments_ = std::make_unique<Attachments>(node, settings_, *checker_);
   for (auto& map : maps_) map = std::make_shared<CuboidMap>();
   stop_publisher_ = node.advertise<std_msgs::Bool>("stop", 10);
   collision_publisher_ = node.advertise<std_msgs::Bool>("collision", 10);
@@ -87,6 +86,7 @@ void CollisionChecker::setUp() {
   publish_timer_ = node.createWallTimer(ros::WallDuration(1.0 / settings_.publish_rate_hz),
                                         [this](const ros::WallTimerEvent&) {
                                           checker_->setClockStalls(clockStalls());
+                                          attachments_->hurry();
                                           check();
                                           publish();
                                         });
@@ -114,6 +114,7 @@ void CollisionChecker::receiveMap(const tccm_monitor::CuboidMap::ConstPtr& messa
     return;
   }
   checker_->setMap(toTime(ros::Time::now()), maps_[newest_map_]);
+  attachments_->mapTook(message->attached_stamp);
   check();
 }
 
@@ -125,9 +126,12 @@ void CollisionChecker::receiveJoints(const sensor_msgs::JointState::ConstPtr& me
 
 void CollisionChecker::receiveTransforms() {
   if (!checker_ || !transforms_) return;
-  const auto root = transforms_->history().newest(withoutSlash(settings_.fixed_frame),
-                                                  checker_->model().rootLink());
-  if (root) checker_->setRootPose(root->stamp, root->pose, root->is_static);
+  const RobotModel& model = checker_->model();
+  for (std::size_t i = 0; i < model.roots().size(); ++i) {
+    const auto root = transforms_->history().newest(withoutSlash(settings_.fixed_frame),
+                                                    model.links()[model.roots()[i]]);
+    if (root) checker_->setRootPose(i, root->stamp, root->pose, root->is_static);
+  }
 }
 
 void CollisionChecker::check() {
@@ -137,9 +141,11 @@ void CollisionChecker::check() {
     verdict_ = nullptr;
     return;
   }
-  // Where fixed frame and root are one, no transform has to be heard.
-  if (withoutSlash(settings_.fixed_frame) == checker_->model().rootLink()) {
-    checker_->setRootPose(Time(), Pose::Identity(), true);
+  // Where fixed frame and a root are one, no transform has to be heard.
+  const RobotModel& model = checker_->model();
+  for (std::size_t i = 0; i < model.roots().size(); ++i) {
+    if (model.links()[model.roots()[i]] != withoutSlash(settings_.fixed_frame)) continue;
+    checker_->setRootPose(i, Time(), Pose::Identity(), true);
   }
   Stopwatch stopwatch;
   verdict_ = &checker_->check(toTime(now));
@@ -246,8 +252,8 @@ void CollisionChecker::setUpReconfiguration() {
 
 void CollisionChecker::reconfigure(Reconfiguration& wanted, std::uint32_t /*level*/) {
   Checker::Config config = checker_->config();
-  config.pose.expansion.padding_m = wanted.collision_padding_m;
-  config.pose.expansion.scale = wanted.primitive_scale;
+  config.pose.collision_use.expansion.padding_m = wanted.collision_padding_m;
+  config.pose.collision_use.expansion.scale = wanted.primitive_scale;
   config.horizon_s = wanted.horizon_s;
   config.pose.collision.support_points = wanted.support_points;
   config.pose.check_occlusion = wanted.check_occlusion;

@@ -301,6 +301,10 @@ void toMessage(const Verdict& verdict, const Checker& checker,
   message.occlusion = verdict.occlusion;
   message.serial = verdict.serial;
   message.joints_stamp = toRos(verdict.joints_stamp);
+  message.attached_objects.clear();
+  for (const AttachedObject& object : checker.attached()) {
+    message.attached_objects.push_back(object.name);
+  }
   message.links.clear();
   message.flagged.clear();
   addLinks(verdict.now, false, checker, message);

@@ -134,6 +134,27 @@ void addBody(const PoseFindings& findings, const PoseCheck& check, const Checker
   }
 }
 
+/// All of a body in one colour.
+void addBody(const Body& body, Marker prototype, const ColorRGBA& body_color,
+             visualization_msgs::MarkerArray& markers) {
+  prototype.color = body_color;
+  for (std::size_t i = 0; i < body.shapes.size(); ++i) {
+    const double padding = body.paddings_m.empty() ? 0.0 : body.paddings_m[i];
+    std::visit(ShapeMarkers(prototype, body.poses[i], markers.markers),
+               expanded(body.shapes[i], Expansion{1.0, padding}));
+  }
+}
+
+Marker prototypeOf(const std::string& name, const std::string& frame, Time stamp) {
+  Marker prototype;
+  prototype.header.frame_id = frame;
+  prototype.header.stamp = toRos(stamp);
+  prototype.ns = name;
+  prototype.pose.orientation.w = 1.0;
+  prototype.lifetime = ros::Duration(1.0);
+  return prototype;
+}
+
 Marker textOf(const Verdict& verdict, const std::string& link_frame, Marker prototype) {
   prototype.ns = "status";
   prototype.id = 0;
@@ -169,19 +190,24 @@ void toMarker(const tccm_monitor::CuboidMap& map, int static_windows, Marker& ma
 
 void toMarkers(const Verdict& verdict, const Checker& checker, const std::string& frame,
                visualization_msgs::MarkerArray& markers) {
-  Marker prototype;
-  prototype.header.frame_id = frame;
-  prototype.header.stamp = toRos(verdict.stamp);
-  prototype.ns = "now";
-  prototype.pose.orientation.w = 1.0;
-  prototype.lifetime = ros::Duration(1.0);
+  Marker prototype = prototypeOf("now", frame, verdict.stamp);
   markers.markers.clear();
   if (verdict.placed) {
     addBody(verdict.now, checker.poseCheckNow(), checker, prototype, 0.3F, markers);
     prototype.ns = "ahead";
     addBody(verdict.ahead, checker.poseCheckAhead(), checker, prototype, 0.1F, markers);
+    prototype.ns = "occlusion";
+    addBody(checker.poseCheckNow().occlusionBody(), prototype, color(0.3F, 0.8F, 0.5F, 0.25F),
+            markers);
   }
-  markers.markers.push_back(textOf(verdict, checker.model().rootLink(), prototype));
+  markers.markers.push_back(textOf(verdict, checker.model().rootLinks().front(), prototype));
+}
+
+void toMarkers(const BodySample& sample, const std::string& frame,
+               visualization_msgs::MarkerArray& markers) {
+  markers.markers.clear();
+  addBody(sample.body, prototypeOf("self filter", frame, sample.stamp),
+          color(0.95F, 0.85F, 0.2F, 0.2F), markers);
 }
 
 void toImage(const ZBuffer& picture, sensor_msgs::Image& image) {

@@ -87,6 +87,35 @@ void Parameters::read(const std::string& key, std::vector<std::string>& value) {
   readAs(key, "a list of texts", value);
 }
 
+void Parameters::read(const std::string& key, std::optional<double>& value) {
+  double number = 0.0;
+  readAs(key, "a number", number);
+  if (isSet(key)) value = number;
+}
+
+void Parameters::read(const std::string& key, std::map<std::string, double>& value) {
+  readAs(key, "a map of names and numbers", value);
+}
+
+void Parameters::read(const std::string& key,
+                      std::map<std::string, std::vector<std::string>>& value) {
+  readAs(key, "a map of names and lists of texts", value);
+}
+
+std::vector<Parameters> Parameters::readList(const std::string& key) {
+  std::vector<YAML::Node> nodes;
+  readAs(key, "a list of maps", nodes);
+  std::vector<Parameters> entries;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    entries.emplace_back(nodes[i], owner_ + "/" + key + "[" + std::to_string(i) + "]");
+  }
+  return entries;
+}
+
+bool Parameters::isSet(const std::string& key) const {
+  return node_ && node_.IsMap() && static_cast<bool>(node_[key]);
+}
+
 std::vector<std::string> Parameters::unknownKeys() const {
   std::vector<std::string> unknown;
   if (!node_ || !node_.IsMap()) return unknown;

@@ -13,14 +13,17 @@ using Status = TransformHistory::Status;
 
 }  // namespace
 
-ScanSource::ScanSource(const AssemblerSettings& settings, std::string root_frame,
+ScanSource::ScanSource(const AssemblerSettings& settings,
+                       const std::vector<std::string>& root_frames,
                        const TransformHistory& transforms)
     : fixed_frame_(withoutSlash(settings.fixed_frame)),
-      root_frame_(std::move(root_frame)),
+      root_frames_(root_frames),
       beams_max_(settings.assembler.scan_beams_max),
       step_(fromSeconds(settings.transform_sample_s)),
       wait_max_(fromSeconds(settings.transform_wait_max_s)),
-      transforms_(transforms) {}
+      transforms_(transforms) {
+  ready_.T_fixed_roots.resize(root_frames_.size());
+}
 
 std::string ScanSource::add(LaserScan scan, const std::string& frame, Time arrival) {
   std::string defect = defectOf(scan, beams_max_);
@@ -44,9 +47,11 @@ Status ScanSource::place(Waiting& waiting, const JointStates* joints) {
   if (joints) {
     const auto until = joints->answersUntil();
     if (!until || *until < last) return Status::kNotYet;
-    const Status status =
-        transforms_.path(fixed_frame_, root_frame_, first, last, step_, ready_.T_fixed_root);
-    if (status != Status::kFound) return status;
+    for (std::size_t i = 0; i < root_frames_.size(); ++i) {
+      const Status status = transforms_.path(fixed_frame_, root_frames_[i], first, last, step_,
+                                             ready_.T_fixed_roots[i]);
+      if (status != Status::kFound) return status;
+    }
   }
   return transforms_.path(fixed_frame_, waiting.frame, first, last, step_, ready_.T_fixed_sensor);
 }

@@ -5,9 +5,26 @@
 namespace tccm {
 namespace {
 
-void read(Parameters& parameters, RobotModel::Config& config) {
-  parameters.read("monitored_links", config.monitored_links);
-  parameters.read("capsule_links", config.capsule_links);
+void refuseUnknown(const Parameters& parameters) {
+  const auto unknown = parameters.unknownKeys();
+  if (!unknown.empty()) {
+    throw ConfigError(parameters.owner() + "/" + unknown.front() + ": there is no such parameter");
+  }
+}
+
+void read(Parameters& parameters, const LinkUse::Keys& keys, LinkUse& use) {
+  parameters.read(keys.links, use.links);
+  parameters.read(keys.ignored, use.ignored);
+  parameters.read(keys.scale, use.expansion.scale);
+  parameters.read(keys.padding, use.expansion.padding_m);
+  for (Parameters& entry : parameters.readList(keys.exceptions)) {
+    LinkUse::Exception exception;
+    entry.read("links", exception.links);
+    entry.read("scale", exception.scale);
+    entry.read("padding_m", exception.padding_m);
+    refuseUnknown(entry);
+    use.exceptions.push_back(exception);
+  }
 }
 
 void read(Parameters& parameters, JointStates::Config& config) {
@@ -28,14 +45,12 @@ void read(Parameters& parameters, Grid::Config& config) {
 }
 
 void read(Parameters& parameters, PoseCheck::Config& config) {
-  parameters.read("primitive_scale", config.expansion.scale);
-  parameters.read("collision_padding_m", config.expansion.padding_m);
-  parameters.read("collision_links", config.collision_links);
+  read(parameters, kCollisionKeys, config.collision_use);
   parameters.read("support_points", config.collision.support_points);
   parameters.read("support_height_m", config.collision.support_height_m);
   parameters.read("contacts_max", config.collision.contacts_max);
   parameters.read("check_occlusion", config.check_occlusion);
-  parameters.read("occlusion_links", config.occlusion_links);
+  read(parameters, kOcclusionKeys, config.occlusion_use);
   parameters.read("occlusion_resolution_rad", config.occlusion.resolution_rad);
   parameters.read("occlusion_margin_m", config.occlusion.margin_m);
   parameters.read("occlusion_hidden_fraction", config.occlusion.hidden_fraction);
@@ -55,13 +70,6 @@ Parameters section(const YAML::Node& file, const std::string& name) {
   return {file && file.IsMap() ? file[name] : YAML::Node(), name};
 }
 
-void refuseUnknown(const Parameters& parameters) {
-  const auto unknown = parameters.unknownKeys();
-  if (!unknown.empty()) {
-    throw ConfigError(parameters.owner() + "/" + unknown.front() + ": there is no such parameter");
-  }
-}
-
 void requireFrame(const std::string& frame) {
   if (frame.find_first_not_of('/') == std::string::npos) {
     throw ConfigError("fixed_frame: '" + frame + "' is no frame's name");
@@ -70,15 +78,30 @@ void requireFrame(const std::string& frame) {
 
 }  // namespace
 
+RobotModel::Config readRobotSettings(Parameters& parameters) {
+  RobotModel::Config robot;
+  parameters.read("link_groups", robot.link_groups);
+  parameters.read("monitored_links", robot.monitored_links);
+  parameters.read("ignored_links", robot.ignored_links);
+  parameters.read("capsule_links", robot.capsule_links);
+  parameters.read("visual_links", robot.visual_links);
+  parameters.read("fixed_joints", robot.fixed_joints);
+  parameters.read("primitives_file", robot.primitives_file);
+  parameters.read("apply_mesh_up_axis", robot.apply_mesh_up_axis);
+  parameters.read("fit_primitives_max", robot.fit.primitives_max);
+  parameters.read("fit_split_gain", robot.fit.split_gain);
+  robot.validate();
+  return robot;
+}
+
 AssemblerSettings readAssemblerSettings(Parameters& parameters) {
   AssemblerSettings settings;
   parameters.read("fixed_frame", settings.fixed_frame);
   parameters.read("self_filter", settings.self_filter);
-  read(parameters, settings.robot);
+  read(parameters, kSelfFilterKeys, settings.body.filtered);
   parameters.read("scan_beams_max", settings.assembler.scan_beams_max);
   parameters.read("scan_unknown_fraction_max", settings.assembler.scan_unknown_fraction_max);
   parameters.read("mixed_pixel_separation_m", settings.assembler.mixed_pixel.separation_m);
-  parameters.read("self_filter_padding_m", settings.assembler.body.padding_m);
   parameters.read("self_filter_grazing_m", settings.assembler.body.grazing_m);
   parameters.read("self_filter_shadow_depth_m", settings.assembler.body.shadow_depth_m);
   parameters.read("body_sample_s", settings.body.sample_s);
@@ -86,12 +109,14 @@ AssemblerSettings readAssemblerSettings(Parameters& parameters) {
   parameters.read("transform_gap_max_s", settings.transform_gap_max_s);
   parameters.read("transform_sample_s", settings.transform_sample_s);
   parameters.read("transform_wait_max_s", settings.transform_wait_max_s);
+  parameters.read("marker_rate_hz", settings.marker_rate_hz);
   requireFrame(settings.fixed_frame);
   settings.assembler.validate();
   settings.body.validate();
   requireInRange("transform_gap_max_s", settings.transform_gap_max_s, 0.001, 10.0);
   requireInRange("transform_sample_s", settings.transform_sample_s, 1e-4, 1.0);
   requireInRange("transform_wait_max_s", settings.transform_wait_max_s, 0.001, 10.0);
+  requireInRange("marker_rate_hz", settings.marker_rate_hz, 0.1, 100.0);
   return settings;
 }
 
@@ -121,7 +146,6 @@ CheckerSettings readCheckerSettings(Parameters& parameters) {
   CheckerSettings settings;
   Checker::Config& checker = settings.checker;
   parameters.read("fixed_frame", settings.fixed_frame);
-  read(parameters, settings.robot);
   read(parameters, checker.pose);
   read(parameters, checker.joints);
   checker.fixed_frame = settings.fixed_frame;
@@ -133,10 +157,14 @@ CheckerSettings readCheckerSettings(Parameters& parameters) {
   parameters.read("future_max_s", checker.future_max_s);
   parameters.read("transform_future_max_s", checker.transform_future_max_s);
   parameters.read("release_s", checker.release_s);
+  parameters.read("attach_forget_padding_m", settings.attach_forget_padding_m);
+  parameters.read("attach_forget_s", settings.attach_forget_s);
   parameters.read("publish_rate_hz", settings.publish_rate_hz);
   parameters.read("marker_rate_hz", settings.marker_rate_hz);
   requireFrame(settings.fixed_frame);
   checker.validate();
+  requireInRange("attach_forget_padding_m", settings.attach_forget_padding_m, 0.0, 1.0);
+  requireInRange("attach_forget_s", settings.attach_forget_s, 0.0, 10.0);
   requireInRange("publish_rate_hz", settings.publish_rate_hz, 1.0, 1000.0);
   requireInRange("marker_rate_hz", settings.marker_rate_hz, 0.1, 100.0);
   return settings;
@@ -148,8 +176,6 @@ Monitor::Config MonitorSettings::monitorConfig() const {
   config.self_filter = assembler.self_filter;
   config.body = assembler.body;
   config.mapper = mapper.mapper;
-  config.filtered_links = assembler.robot;
-  config.checked_links = checker.robot;
   config.checker = checker.checker;
   return config;
 }
@@ -158,13 +184,17 @@ MonitorSettings readMonitorSettings(const std::string& path) {
   const YAML::Node file = loadFile(path);
   Parameters top(file, path);
   for (const std::string& key : top.unknownKeys()) {
-    if (key == "tilt_scan_assembler" || key == "tccm_mapper" || key == "collision_checker" ||
-        key == "topics") {
+    if (key == kRobotSection || key == "tilt_scan_assembler" || key == "tccm_mapper" ||
+        key == "collision_checker" || key == "topics") {
       continue;
     }
-    throw ConfigError(path + ": '" + key + "' names no nodelet, nor is it topics");
+    throw ConfigError(path + ": '" + key +
+                      "' names no nodelet, nor is it monitored_robot or topics");
   }
   MonitorSettings settings;
+  Parameters robot = section(file, kRobotSection);
+  settings.robot = readRobotSettings(robot);
+  refuseUnknown(robot);
   Parameters assembler = section(file, "tilt_scan_assembler");
   settings.assembler = readAssemblerSettings(assembler);
   refuseUnknown(assembler);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <pluginlib/class_list_macros.hpp>
 
+#include "tccm_monitor/config_error.h"
 #include "tccm_monitor/ros/conversions.h"
 #include "tccm_monitor/ros/markers.h"
 #include "tccm_monitor/ros/refusal.h"
@@ -25,6 +26,7 @@ void TccmMapper::setUp() {
   cloud_subscriber_ = node.subscribe("scan_cloud", 20, &TccmMapper::receiveCloud, this,
                                      ros::TransportHints().tcpNoDelay());
   status_subscriber_ = node.subscribe("monitor_status", 2, &TccmMapper::receiveStatus, this);
+  attached_subscriber_ = node.subscribe("attached_objects", 5, &TccmMapper::receiveAttached, this);
   marker_timer_ = node.createWallTimer(ros::WallDuration(1.0 / settings_.marker_rate_hz),
                                        [this](const ros::WallTimerEvent&) { publishMarkers(); });
   diagnostics_ =
@@ -50,6 +52,32 @@ void TccmMapper::receiveCloud(const sensor_msgs::PointCloud2::ConstPtr& message)
   publish();
 }
 
+void TccmMapper::receiveAttached(const tccm_monitor::AttachedObjects::ConstPtr& message) {
+  if (!frame_.empty() && message->header.frame_id != frame_) {
+    NODELET_ERROR("attached_objects are in frame '%s', the map is in '%s': nothing is forgotten.",
+                  message->header.frame_id.c_str(), frame_.c_str());
+    return;
+  }
+  std::map<std::string, ros::Time> attached;
+  try {
+    for (const tccm_monitor::AttachedObject& object : message->objects) {
+      attached[object.name] = object.forget_until;
+      const auto known = attached_.find(object.name);
+      if (known != attached_.end() && known->second == object.forget_until) continue;
+      const std::string owner = "object '" + object.name + "'";
+      const PlacedShape seen{fromMessage(object.primitive, owner).shape,
+                             fromMessage(object.attached_at, owner)};
+      forgotten_ += mapper_->forget({{seen, object.forget_padding}}, toTime(object.forget_until));
+    }
+  } catch (const ConfigError& error) {
+    NODELET_ERROR("attached_objects were dropped: %s.", error.what());
+    return;
+  }
+  attached_ = std::move(attached);
+  attached_stamp_ = message->header.stamp;
+  if (newest_) publish();
+}
+
 void TccmMapper::drop(const std::string& reason) {
   ++dropped_;
   NODELET_WARN_THROTTLE(5.0, "A scan_cloud was dropped: %s.", reason.c_str());
@@ -59,6 +87,7 @@ void TccmMapper::publish() {
   mapper_->snapshot(snapshot_);
   const auto message = messages_.take();
   toMessage(snapshot_, frame_, *message);
+  message->attached_stamp = attached_stamp_;
   label(*message);
   newest_ = message;
   map_publisher_.publish(newest_);
@@ -126,6 +155,7 @@ void TccmMapper::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   status.add("scan_clouds dropped", dropped_);
   status.add("points mapped", added_.mapped);
   status.add("points out of area", added_.out_of_area);
+  status.add("points of attached objects forgotten", forgotten_);
   status.add("cuboids", snapshot_.cuboids.size());
   status.add("window [scans]", mapper_->map().scans());
   const auto tilt = mapper_->tiltPeriod();

@@ -1,10 +1,13 @@
 #include "tccm_monitor/ros/tilt_scan_assembler.h"
 
+#include <visualization_msgs/MarkerArray.h>
+
 #include <pluginlib/class_list_macros.hpp>
 #include <string>
 
 #include "tccm_monitor/config_error.h"
 #include "tccm_monitor/ros/conversions.h"
+#include "tccm_monitor/ros/markers.h"
 #include "tccm_monitor/ros/refusal.h"
 #include "tccm_monitor/ros/robot_description.h"
 
@@ -17,22 +20,27 @@ void TiltScanAssembler::onInit() {
 void TiltScanAssembler::setUp() {
   ros::NodeHandle& node = getNodeHandle();
   settings_ = readFromServer(getPrivateNodeHandle(), readAssemblerSettings);
-  std::string root_frame;
+  std::vector<std::string> root_frames;
   if (settings_.self_filter) {
-    const auto model =
-        std::make_shared<const RobotModel>(readRobotDescription(node), settings_.robot);
+    const auto model = sharedRobotModel(node);
     body_ = std::make_unique<BodySampler>(model, settings_.body);
-    root_frame = model->rootLink();
+    bare_model_ = model;
+    root_frames = model->rootLinks();
   }
   assembler_ = std::make_unique<ScanAssembler>(settings_.assembler);
   cloud_publisher_ = node.advertise<sensor_msgs::PointCloud2>("scan_cloud", 10);
   transforms_ = std::make_unique<TransformListener>(
       node, fromSeconds(settings_.transform_gap_max_s), [this] { process(); });
-  source_ = std::make_unique<ScanSource>(settings_, root_frame, transforms_->history());
+  source_ = std::make_unique<ScanSource>(settings_, root_frames, transforms_->history());
   const auto hints = ros::TransportHints().tcpNoDelay();
   if (body_) {
     joints_subscriber_ =
         node.subscribe("joint_states", 200, &TiltScanAssembler::receiveJoints, this, hints);
+    attached_subscriber_ =
+        node.subscribe("attached_objects", 5, &TiltScanAssembler::receiveAttached, this);
+    marker_publisher_ = node.advertise<visualization_msgs::MarkerArray>("self_filter_markers", 2);
+    marker_timer_ = node.createWallTimer(ros::WallDuration(1.0 / settings_.marker_rate_hz),
+                                         [this](const ros::WallTimerEvent&) { publishMarkers(); });
   }
   scan_subscriber_ = node.subscribe("scan", 20, &TiltScanAssembler::receiveScan, this, hints);
   diagnostics_ =
@@ -61,6 +69,17 @@ void TiltScanAssembler::receiveJoints(const sensor_msgs::JointState::ConstPtr& m
   process();
 }
 
+void TiltScanAssembler::receiveAttached(const tccm_monitor::AttachedObjects::ConstPtr& message) {
+  try {
+    std::vector<AttachedObject> objects;
+    for (const auto& object : message->objects) objects.push_back(fromMessage(object));
+    body_->setModel(std::make_shared<const RobotModel>(bare_model_->holding(objects)));
+  } catch (const ConfigError& error) {
+    NODELET_ERROR("attached_objects were dropped, the robot is filtered out as before: %s.",
+                  error.what());
+  }
+}
+
 void TiltScanAssembler::process() {
   if (!source_) return;
   const JointStates* joints = body_ ? &body_->joints() : nullptr;
@@ -74,7 +93,7 @@ void TiltScanAssembler::publish(const ScanSource::Ready& ready) {
   static const std::vector<BodySample> kNobody;
   if (body_) {
     const std::string unknown =
-        body_->sample(ready.scan.stamp, ready.scan.lastBeamTime(), ready.T_fixed_root);
+        body_->sample(ready.scan.stamp, ready.scan.lastBeamTime(), ready.T_fixed_roots);
     if (!unknown.empty()) return source_->countDrop(unknown);
   }
   const std::string dropped = assembler_->assemble(ready.scan, ready.T_fixed_sensor,
@@ -86,6 +105,13 @@ void TiltScanAssembler::publish(const ScanSource::Ready& ready) {
   const auto cloud = clouds_.take();
   toMessage(assembled_, withoutSlash(settings_.fixed_frame), *cloud);
   cloud_publisher_.publish(sensor_msgs::PointCloud2::ConstPtr(cloud));
+}
+
+void TiltScanAssembler::publishMarkers() {
+  if (marker_publisher_.getNumSubscribers() == 0 || body_->samples().empty()) return;
+  visualization_msgs::MarkerArray markers;
+  toMarkers(body_->samples().back(), withoutSlash(settings_.fixed_frame), markers);
+  marker_publisher_.publish(markers);
 }
 
 void TiltScanAssembler::warnOfDrops() {

@@ -17,7 +17,6 @@ double squaredDistance(const Ray& ray, double length, const Vector3& p) {
 }  // namespace
 
 void BodyFilter::Config::validate() const {
-  requireInRange("self_filter_padding_m", padding_m, 0.0, 1.0);
   requireInRange("self_filter_grazing_m", grazing_m, 0.0, 1.0);
   requireInRange("self_filter_shadow_depth_m", shadow_depth_m, 0.0, 100.0);
 }
@@ -38,15 +37,15 @@ BeamKind BodyFilter::classify(const Beam& beam, const Body& body) const {
   const Vector3 sight = beam.p_fixed - beam.viewpoint;
   const double range = sight.norm();
   const Ray ray{beam.viewpoint, sight / range};
-  const double reach = std::max(config_.padding_m, 2.0 * config_.grazing_m);
   BeamKind kind = BeamKind::kReturn;
   for (std::size_t i = 0; i < body.shapes.size(); ++i) {
     const Shape& shape = body.shapes[i];
     const Pose& pose = body.poses[i];
-    const double far = boundingRadius(shape) + reach;
+    const double padding = body.paddings_m[i];
+    const double far = boundingRadius(shape) + std::max(padding, 2.0 * config_.grazing_m);
     if (squaredDistance(ray, range, pose.translation()) > far * far) continue;
     const Pose T_shape_fixed = pose.inverse();
-    if (distance(shape, T_shape_fixed * beam.p_fixed) <= config_.padding_m) return BeamKind::kSelf;
+    if (distance(shape, T_shape_fixed * beam.p_fixed) <= padding) return BeamKind::kSelf;
     if (distance(shape, T_shape_fixed * beam.viewpoint) == 0.0) continue;
     const auto span =
         intersect(expanded(shape, {1.0, config_.grazing_m}), transformed(ray, T_shape_fixed));

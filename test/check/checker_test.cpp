@@ -108,7 +108,7 @@ TEST_F(CheckerTest, AStaticRootNeverGrowsOld) {
 TEST_F(CheckerTest, ARootThatIsNoPoseIsNotTaken) {
   Pose broken = Pose::Identity();
   broken.translation().x() = std::numeric_limits<double>::quiet_NaN();
-  checker_->setRootPose(at(kStart), broken, true);
+  checker_->setRootPose(0, at(kStart), broken, true);
   addJoints(kStart, 0.0);
   setMap(kStart, clear_);
   EXPECT_EQ(reasonAt(kStart), Reason::kInit);

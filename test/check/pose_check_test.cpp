@@ -22,7 +22,7 @@ class PoseCheckTest : public ::testing::Test {
     std::vector<double> positions{slide, glide};
     if (model_->variables()[0].name == "glide") std::swap(positions[0], positions[1]);
     PoseFindings findings;
-    check.check(map_, positions, T_fixed_root, findings);
+    check.check(map_, positions, {T_fixed_root}, findings);
     return findings;
   }
   /// A post at x from 0.8 m on, 0.4 m wide.
@@ -61,17 +61,17 @@ TEST_F(PoseCheckTest, ContactsNameTheModelsShapes) {
 
 TEST_F(PoseCheckTest, PrimitivesAreExpandedForCollision) {
   addPost(0.0);
-  config_.expansion = {1.0, 0.04};
+  config_.collision_use.expansion = {1.0, 0.04};
   EXPECT_FALSE(check(0.8 - 0.091, 0.0).collision);
   EXPECT_TRUE(check(0.8 - 0.089, 0.0).collision);
-  config_.expansion = {1.2, 0.01};
+  config_.collision_use.expansion = {1.2, 0.01};
   EXPECT_FALSE(check(0.8 - 0.071, 0.0).collision);
   EXPECT_TRUE(check(0.8 - 0.069, 0.0).collision);
 }
 
 TEST_F(PoseCheckTest, PrimitivesAreNotExpandedForOcclusion) {
   const double silhouette = check(0.5, 0.0).links[0].silhouette;
-  config_.expansion = {3.0, 0.5};
+  config_.collision_use.expansion = {3.0, 0.5};
   EXPECT_EQ(check(0.5, 0.0).links[0].silhouette, silhouette);
 }
 
@@ -84,9 +84,9 @@ TEST_F(PoseCheckTest, TheRootsPoseMovesTheWholeRobot) {
 TEST_F(PoseCheckTest, CollisionLinksLeaveTheOthersOut) {
   addPost(0.5);
   EXPECT_TRUE(check(0.0, 0.8).collision);
-  config_.collision_links = {"hand"};
+  config_.collision_use.links = {"hand"};
   EXPECT_FALSE(check(0.0, 0.8).collision);
-  config_.collision_links = {"o*"};
+  config_.collision_use.links = {"o*"};
   const PoseFindings findings = check(0.0, 0.8);
   ASSERT_TRUE(findings.collision);
   EXPECT_EQ(linkOf(findings.contacts[0]), "other");
@@ -105,7 +105,7 @@ TEST_F(PoseCheckTest, AHiddenLinkIsNamedByTheModelsIndex) {
 
 TEST_F(PoseCheckTest, OcclusionLinksLeaveTheOthersOut) {
   addShelf(0.5);
-  config_.occlusion_links = {"hand"};
+  config_.occlusion_use.links = {"hand"};
   const PoseFindings findings = check(0.6, 0.6);
   EXPECT_FALSE(findings.occlusion);
   ASSERT_EQ(findings.links.size(), 1U);
@@ -125,10 +125,10 @@ TEST_F(PoseCheckTest, FindingsAreMadeAnewAtEveryCheck) {
   addShelf(0.5);
   PoseCheck check(model_, config_);
   PoseFindings findings;
-  check.check(map_, {0.8, 0.8}, Pose::Identity(), findings);
+  check.check(map_, {0.8, 0.8}, {Pose::Identity()}, findings);
   ASSERT_TRUE(findings.collision);
   ASSERT_TRUE(findings.occlusion);
-  check.check(test::emptyMap(), {0.8, 0.8}, Pose::Identity(), findings);
+  check.check(test::emptyMap(), {0.8, 0.8}, {Pose::Identity()}, findings);
   EXPECT_FALSE(findings.collision);
   EXPECT_FALSE(findings.occlusion);
   EXPECT_TRUE(findings.contacts.empty());
@@ -138,7 +138,7 @@ TEST_F(PoseCheckTest, FindingsAreMadeAnewAtEveryCheck) {
 TEST_F(PoseCheckTest, TheCheckedBodyCanBeShown) {
   PoseCheck check(model_, config_);
   PoseFindings findings;
-  check.check(map_, {0.3, 0.3}, Pose::Identity(), findings);
+  check.check(map_, {0.3, 0.3}, {Pose::Identity()}, findings);
   ASSERT_EQ(check.collisionBody().shapes.size(), 2U);
   EXPECT_NEAR(std::get<Sphere>(check.collisionBody().shapes[0]).radius, 0.09, 1e-12);
   EXPECT_TRUE(test::isNearly(Vector3(check.collisionBody().poses[0].translation()),
@@ -148,15 +148,15 @@ TEST_F(PoseCheckTest, TheCheckedBodyCanBeShown) {
 }
 
 TEST_F(PoseCheckTest, ValuesOutOfRangeAndWrongLinksAreRefused) {
-  config_.expansion.scale = 0.9;
+  config_.collision_use.expansion.scale = 0.9;
   EXPECT_THROW(PoseCheck(model_, config_), ConfigError);
-  config_.expansion = {1.0, -0.01};
+  config_.collision_use.expansion = {1.0, -0.01};
   EXPECT_THROW(PoseCheck(model_, config_), ConfigError);
-  config_.expansion = {};
-  config_.collision_links = {"foot"};
+  config_.collision_use.expansion = {};
+  config_.collision_use.links = {"foot"};
   EXPECT_THROW(PoseCheck(model_, config_), ConfigError);
-  config_.collision_links = {};
-  config_.occlusion_links = {"base"};
+  config_.collision_use.links = {};
+  config_.occlusion_use.links = {"base"};
   EXPECT_THROW(PoseCheck(model_, config_), ConfigError) << "it has no primitive";
 }
 

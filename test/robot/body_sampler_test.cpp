@@ -29,7 +29,7 @@ class BodySamplerTest : public ::testing::Test {
 };
 
 TEST_F(BodySamplerTest, SamplesRunFromFirstToLastAtLeastAsDenseAsAsked) {
-  ASSERT_EQ(sampler_.sample(at(1.0), at(1.03), root_), "");
+  ASSERT_EQ(sampler_.sample(at(1.0), at(1.03), {root_}), "");
   const auto& samples = sampler_.samples();
   ASSERT_EQ(samples.size(), 9U);  // 30 ms in steps of no more than 4
   EXPECT_EQ(samples.front().stamp, at(1.0));
@@ -44,21 +44,22 @@ TEST_F(BodySamplerTest, SamplesRunFromFirstToLastAtLeastAsDenseAsAsked) {
 }
 
 TEST_F(BodySamplerTest, OneInstantIsOneSample) {
-  ASSERT_EQ(sampler_.sample(at(1.02), at(1.02), root_), "");
+  ASSERT_EQ(sampler_.sample(at(1.02), at(1.02), {root_}), "");
   EXPECT_EQ(sampler_.samples().size(), 1U);
 }
 
 TEST_F(BodySamplerTest, MissingJointStatesAreSaid) {
-  EXPECT_NE(sampler_.sample(at(1.0), at(1.0501), root_), "");
-  EXPECT_NE(sampler_.sample(at(0.99), at(1.01), root_), "");
+  EXPECT_NE(sampler_.sample(at(1.0), at(1.0501), {root_}), "");
+  EXPECT_NE(sampler_.sample(at(0.99), at(1.01), {root_}), "");
 }
 
 TEST_F(BodySamplerTest, AMissingRootIsSaid) {
   PosePath late;
   late.add(at(1.01), Pose::Identity());
   late.add(at(1.2), Pose::Identity());
-  EXPECT_NE(sampler_.sample(at(1.0), at(1.03), late), "");
-  EXPECT_NE(sampler_.sample(at(1.0), at(1.03), PosePath()), "");
+  EXPECT_NE(sampler_.sample(at(1.0), at(1.03), {late}), "");
+  EXPECT_NE(sampler_.sample(at(1.0), at(1.03), {PosePath()}), "");
+  EXPECT_NE(sampler_.sample(at(1.0), at(1.03), {}), "");
 }
 
 TEST(BodySamplerConfigTest, AStepOutOfRangeIsRefused) {

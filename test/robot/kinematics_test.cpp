@@ -4,11 +4,13 @@
 #include <urdf_model/model.h>
 #include <urdf_parser/urdf_parser.h>
 
+#include <algorithm>
 #include <fstream>
 #include <kdl/treefksolverpos_recursive.hpp>
 #include <kdl_parser/kdl_parser.hpp>
 #include <map>
 #include <sstream>
+#include <utility>
 
 #include "support/near.h"
 #include "support/random.h"
@@ -43,7 +45,19 @@ class Oracle {
 
   [[nodiscard]] const urdf::ModelInterface& urdf() const { return *urdf_; }
 
-  Pose linkPose(const std::string& link, const std::map<std::string, double>& positions) {
+  /// The link's pose in the root that transforms have to place, and that root.
+  std::pair<std::string, Pose> linkPose(const std::string& link,
+                                        const std::map<std::string, double>& positions) {
+    urdf::LinkConstSharedPtr root = urdf_->getLink(link);
+    while (root->parent_joint && root->parent_joint->type != urdf::Joint::PLANAR &&
+           root->parent_joint->type != urdf::Joint::FLOATING) {
+      root = root->getParent();
+    }
+    return {root->name, inBase(root->name, positions).inverse() * inBase(link, positions)};
+  }
+
+ private:
+  Pose inBase(const std::string& link, const std::map<std::string, double>& positions) {
     KDL::JntArray joints(tree_.getNrOfJoints());
     for (const auto& [name, element] : tree_.getSegments()) {
       if (element.segment.getJoint().getType() == KDL::Joint::None) continue;
@@ -55,7 +69,6 @@ class Oracle {
     return toPose(frame);
   }
 
- private:
   double position(const std::string& joint, const std::map<std::string, double>& positions) const {
     const auto& mimic = urdf_->getJoint(joint)->mimic;
     if (mimic) return mimic->multiplier * position(mimic->joint_name, positions) + mimic->offset;
@@ -67,27 +80,26 @@ class Oracle {
   KDL::Tree tree_;
 };
 
-/// Links whose collision elements are all primitives.
-std::vector<std::string> primitiveLinks(const urdf::ModelInterface& urdf) {
-  std::vector<std::string> links;
-  for (const auto& [name, link] : urdf.links_) {
-    bool primitive = !link->collision_array.empty();
-    for (const auto& collision : link->collision_array) {
-      primitive = primitive && collision->geometry->type != urdf::Geometry::MESH;
-    }
-    if (primitive) links.push_back(name);
+/// A file of primitives that puts a ball on every link, so that all of them are placed.
+RobotResources ballOnEveryLink(const urdf::ModelInterface& urdf) {
+  std::string file = "links:\n";
+  for (const auto& entry : urdf.links_) {
+    file += "  " + entry.first + ": [{shape: sphere, radius: 0.05, xyz: [0.1, 0.2, 0.3]}]\n";
   }
-  return links;
+  RobotResources resources;
+  resources.read = [file](const std::string& /*uri*/) { return file; };
+  return resources;
 }
 
-/// Every link and shape of random poses is where KDL has it.
+/// Every link of the URDF and every shape is where KDL has it, in random poses.
 void expectKdlsPoses(const std::string& text, unsigned seed) {
   constexpr double kRounding = 1e-9;
   Oracle oracle(text);
   RobotModel::Config config;
-  config.monitored_links = primitiveLinks(oracle.urdf());
-  const auto model = test::modelOf(text, config);
-  ASSERT_FALSE(model->shapes().empty());
+  config.primitives_file = "balls.yaml";
+  const auto model =
+      std::make_shared<const RobotModel>(text, config, ballOnEveryLink(oracle.urdf()));
+  ASSERT_EQ(model->links().size(), oracle.urdf().links_.size());
   Kinematics kinematics(model);
   Random random(seed);
   for (int i = 0; i < 20; ++i) {
@@ -97,10 +109,15 @@ void expectKdlsPoses(const std::string& text, unsigned seed) {
       positions.push_back(random.uniform(-3.0, 3.0));
       by_name[variable.name] = positions.back();
     }
-    const Pose T_fixed_root = random.pose(2.0);
-    kinematics.update(positions, T_fixed_root);
+    std::vector<Pose> roots;
+    for (std::size_t k = 0; k < model->roots().size(); ++k) roots.push_back(random.pose(2.0));
+    kinematics.update(positions, roots);
     for (std::size_t k = 0; k < model->links().size(); ++k) {
-      const Pose expected = T_fixed_root * oracle.linkPose(model->links()[k], by_name);
+      const auto [root, T_root_link] = oracle.linkPose(model->links()[k], by_name);
+      const std::vector<std::string> names = model->rootLinks();
+      const auto found = std::find(names.begin(), names.end(), root);
+      ASSERT_NE(found, names.end()) << root;
+      const Pose expected = roots[static_cast<std::size_t>(found - names.begin())] * T_root_link;
       EXPECT_TRUE(test::isNearly(kinematics.linkPoses()[k], expected, kRounding))
           << model->links()[k];
     }
@@ -146,13 +163,13 @@ TEST(KinematicsTest, ARobotWithoutJointsIsWhereItsRootIs) {
   const auto model = test::modelOf(test::robotOf(ballLink("base")));
   Kinematics kinematics(model);
   const Pose T_fixed_root = Random(1).pose(1.0);
-  kinematics.update({}, T_fixed_root);
+  kinematics.update({}, {T_fixed_root});
   EXPECT_TRUE(test::isNearly(kinematics.shapePoses()[0], T_fixed_root, 0.0));
 }
 
 TEST(KinematicsTest, ASlidIsAsFarAsItsPosition) {
   Kinematics kinematics(test::sliderModel());
-  kinematics.update({0.25, -0.5}, Pose::Identity());
+  kinematics.update({0.25, -0.5}, {Pose::Identity()});
   EXPECT_TRUE(test::isNearly(Vector3(kinematics.shapePoses()[0].translation()),
                              Vector3(0.25, 0.0, 0.5), 1e-12));
   EXPECT_TRUE(test::isNearly(Vector3(kinematics.shapePoses()[1].translation()),
@@ -166,9 +183,9 @@ TEST(KinematicsTest, AnUpdateLeavesNothingOfTheOneBefore) {
   std::vector<double> positions(model->variables().size());
   for (int i = 0; i < 5; ++i) {
     for (double& position : positions) position = random.uniform(-2.0, 2.0);
-    used.update(positions, Pose::Identity());
+    used.update(positions, {Pose::Identity()});
   }
-  fresh.update(positions, Pose::Identity());
+  fresh.update(positions, {Pose::Identity()});
   for (std::size_t k = 0; k < model->links().size(); ++k) {
     EXPECT_TRUE(test::isNearly(used.linkPoses()[k], fresh.linkPoses()[k], 0.0));
   }
@@ -182,16 +199,18 @@ TEST(KinematicsTest, TheSimulatedRobotIsPlacedAsByKdl) {
 
 class RobotKinematicsTest : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(RobotKinematicsTest, LinksWithPrimitivesArePlacedAsByKdl) {
+TEST_P(RobotKinematicsTest, EveryLinkIsPlacedAsByKdl) {
   const auto text = textOf(test::sharedDataFolder() + "/robots/" + GetParam());
   if (!text) GTEST_SKIP() << "robots/" << GetParam() << " is not in the shared data";
   expectKdlsPoses(*text, 4);
 }
 
 INSTANTIATE_TEST_SUITE_P(SharedData, RobotKinematicsTest,
-                         ::testing::Values("pr2_moveit/pr2.urdf", "baxter/baxter.urdf",
-                                           "ur5/ur5_robot.urdf",
-                                           "panda_primitives/panda_collision.urdf"));
+                         ::testing::Values("pr2_moveit/pr2.urdf", "panda_moveit/panda.urdf",
+                                           "panda_primitives/panda_collision.urdf",
+                                           "baxter/baxter.urdf", "ur5/ur5_robot.urdf",
+                                           "nextage/NextageOpen.urdf",
+                                           "guardian_v7_tilt/guardian_tracks.urdf"));
 
 }  // namespace
 }  // namespace tccm

@@ -195,7 +195,7 @@ class VerdictConversionTest : public ::testing::Test {
   const Verdict& judge(const CuboidMap& map, double x, double velocity) {
     checker_.reset();
     const Time now = map.stamp + fromSeconds(0.01);
-    checker_.setRootPose(Time(), Pose::Identity(), true);
+    checker_.setRootPose(0, Time(), Pose::Identity(), true);
     for (const double before : {0.04, 0.0}) {
       checker_.addJoints(now - fromSeconds(before), {"slide", "glide"},
                          {x - before * velocity, 0.3}, {velocity, 0.0});

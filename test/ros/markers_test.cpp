@@ -98,7 +98,7 @@ class RobotMarkerTest : public ::testing::Test {
  protected:
   const Verdict& judge(const CuboidMap& map) {
     const Time now = map.stamp + fromSeconds(0.01);
-    checker_.setRootPose(Time(), Pose::Identity(), true);
+    checker_.setRootPose(0, Time(), Pose::Identity(), true);
     checker_.addJoints(now, {"slide", "glide"}, {0.5, 0.3}, {});
     checker_.setMap(now, std::make_shared<const CuboidMap>(map));
     return checker_.check(now);
@@ -119,7 +119,7 @@ class RobotMarkerTest : public ::testing::Test {
 
 TEST_F(RobotMarkerTest, EachPrimitiveIsDrawnNowAndAheadWhereItIs) {
   const auto markers = draw(judge(scene())).markers;
-  ASSERT_EQ(markers.size(), 5U);  // two balls, twice, and the text
+  ASSERT_EQ(markers.size(), 7U);  // two balls: now, ahead, as drawn for occlusion; and the text
   const Marker& hand = markers.front();
   EXPECT_EQ(hand.type, Marker::SPHERE);
   EXPECT_EQ(hand.header.frame_id, "odom");

@@ -44,7 +44,9 @@ class ScanSourceTest : public ::testing::Test {
   void hearFromTo(const std::string& child, double first, double last) {
     for (double stamp = first; stamp < last + 1e-6; stamp += 0.05) hear(child, stamp);
   }
-  ScanSource source(const std::string& root = "") { return {settings_, root, history_}; }
+  ScanSource source(const std::vector<std::string>& roots = {}) {
+    return {settings_, roots, history_};
+  }
 
   AssemblerSettings settings_;
   tf2::BufferCore buffer_;
@@ -167,7 +169,7 @@ TEST_F(ScanSourceTest, DrainingDropsAndCountsWhatWaits) {
 /// With a robot to filter out, whose joints and root have to be known too.
 class ScanSourceWithRobotTest : public ScanSourceTest {
  protected:
-  ScanSourceWithRobotTest() : source_(source("root")) { hearFromTo("laser", 0.95, 1.15); }
+  ScanSourceWithRobotTest() : source_(source({"root"})) { hearFromTo("laser", 0.95, 1.15); }
   void addJoints(double stamp) { joints_.add(at(stamp), {"slide", "glide"}, {0.0, 0.0}, {}); }
   ScanSource source_;
   JointStates joints_{*test::sliderModel(), {}};
@@ -184,7 +186,7 @@ TEST_F(ScanSourceWithRobotTest, AScanWaitsForJointStatesAndRootPast) {
   addJoints(1.03);
   const ScanSource::Ready* ready = source_.next(&joints_, at(1.04));
   ASSERT_NE(ready, nullptr);
-  EXPECT_TRUE(ready->T_fixed_root.covers(at(1.0), at(1.02)));
+  EXPECT_TRUE(ready->T_fixed_roots.at(0).covers(at(1.0), at(1.02)));
 }
 
 TEST_F(ScanSourceWithRobotTest, WhereJointStatesNeverComeTheDropSaysSo) {

@@ -82,7 +82,11 @@ TEST(SettingsTest, TheDefaultFileHoldsTheDefaults) {
   EXPECT_EQ(file.assembler.assembler.scan_beams_max, none.assembler.assembler.scan_beams_max);
   EXPECT_EQ(file.assembler.assembler.mixed_pixel.separation_m,
             none.assembler.assembler.mixed_pixel.separation_m);
-  EXPECT_EQ(file.assembler.assembler.body.padding_m, none.assembler.assembler.body.padding_m);
+  EXPECT_EQ(file.robot.text(), none.robot.text());
+  EXPECT_EQ(file.assembler.body.filtered.expansion.scale,
+            none.assembler.body.filtered.expansion.scale);
+  EXPECT_EQ(file.assembler.body.filtered.expansion.padding_m,
+            none.assembler.body.filtered.expansion.padding_m);
   EXPECT_EQ(file.assembler.assembler.body.grazing_m, none.assembler.assembler.body.grazing_m);
   EXPECT_EQ(file.assembler.assembler.body.shadow_depth_m,
             none.assembler.assembler.body.shadow_depth_m);
@@ -96,8 +100,10 @@ TEST(SettingsTest, TheDefaultFileHoldsTheDefaults) {
   EXPECT_EQ(file.mapper.mapper.tilt.hysteresis_rad, none.mapper.mapper.tilt.hysteresis_rad);
   EXPECT_EQ(file.mapper.mapper.scan_gap_max_s, none.mapper.mapper.scan_gap_max_s);
   const Checker::Config &a = file.checker.checker, &b = none.checker.checker;
-  EXPECT_EQ(a.pose.expansion.scale, b.pose.expansion.scale);
-  EXPECT_EQ(a.pose.expansion.padding_m, b.pose.expansion.padding_m);
+  EXPECT_EQ(a.pose.collision_use.expansion.scale, b.pose.collision_use.expansion.scale);
+  EXPECT_EQ(a.pose.collision_use.expansion.padding_m, b.pose.collision_use.expansion.padding_m);
+  EXPECT_EQ(a.pose.occlusion_use.expansion.scale, b.pose.occlusion_use.expansion.scale);
+  EXPECT_EQ(a.pose.occlusion_use.expansion.padding_m, b.pose.occlusion_use.expansion.padding_m);
   EXPECT_EQ(a.pose.collision.support_points, b.pose.collision.support_points);
   EXPECT_EQ(a.pose.collision.support_height_m, b.pose.collision.support_height_m);
   EXPECT_EQ(a.pose.occlusion.resolution_rad, b.pose.occlusion.resolution_rad);
@@ -112,6 +118,7 @@ TEST(SettingsTest, TheDefaultFileHoldsTheDefaults) {
 }
 
 TEST(SettingsTest, EveryKeyOfTheDefaultFileIsRead) {
+  EXPECT_TRUE(unreadKeys(readRobotSettings, "monitored_robot").empty());
   EXPECT_TRUE(unreadKeys(readAssemblerSettings, "tilt_scan_assembler").empty());
   EXPECT_TRUE(unreadKeys(readMapperSettings, "tccm_mapper").empty());
   EXPECT_TRUE(unreadKeys(readCheckerSettings, "collision_checker").empty());
@@ -194,7 +201,24 @@ INSTANTIATE_TEST_SUITE_P(
                       Refused{"joint_gap_max_s", "0"}, Refused{"joint_velocity_baseline_s", "-1"},
                       Refused{"joint_samples_max", "0"}, Refused{"transform_gap_max_s", "0"},
                       Refused{"transform_sample_s", "0"}, Refused{"transform_wait_max_s", ".inf"},
-                      Refused{"self_filter", "perhaps"}, Refused{"monitored_links", "{a: 8}"}));
+                      Refused{"self_filter", "perhaps"}, Refused{"self_filter_links", "{a: 8}"},
+                      Refused{"self_filter_scale", "0.9"},
+                      Refused{"self_filter_exceptions", "[{links: [a]}]"},
+                      Refused{"self_filter_exceptions", "[{padding_m: 0.1}]"},
+                      Refused{"self_filter_exceptions", "[{links: [a], padding_m: -0.1}]"},
+                      Refused{"self_filter_exceptions", "[{links: [a], pading_m: 0.1}]"},
+                      Refused{"self_filter_exceptions", "[7]"}));
+
+class RobotRefusalTest : public ::testing::TestWithParam<Refused> {};
+TEST_P(RobotRefusalTest, NamesItsKey) {
+  expectRefusal(errorOf(readRobotSettings, lineOf(GetParam())), GetParam().key);
+}
+INSTANTIATE_TEST_SUITE_P(
+    OutOfRange, RobotRefusalTest,
+    ::testing::Values(Refused{"monitored_links", "{a: 8}"}, Refused{"link_groups", "[a, b]"},
+                      Refused{"link_groups", "{arms: 7}"}, Refused{"fixed_joints", "{a: open}"},
+                      Refused{"fixed_joints", "[a]"}, Refused{"apply_mesh_up_axis", "perhaps"},
+                      Refused{"fit_primitives_max", "0"}, Refused{"fit_split_gain", "-1"}));
 
 class MapperRefusalTest : public ::testing::TestWithParam<Refused> {};
 TEST_P(MapperRefusalTest, NamesItsKey) {
@@ -221,19 +245,20 @@ TEST_P(CheckerRefusalTest, NamesItsKey) {
 }
 INSTANTIATE_TEST_SUITE_P(
     OutOfRange, CheckerRefusalTest,
-    ::testing::Values(Refused{"fixed_frame", "'//'"}, Refused{"primitive_scale", "0.5"},
-                      Refused{"collision_padding_m", "-0.01"}, Refused{"support_points", "0"},
-                      Refused{"support_height_m", "-0.1"}, Refused{"contacts_max", "0"},
-                      Refused{"occlusion_resolution_rad", "0"},
-                      Refused{"occlusion_margin_m", "-0.1"},
-                      Refused{"occlusion_hidden_fraction", "0"},
-                      Refused{"occlusion_hidden_fraction", "1.1"},
-                      Refused{"occlusion_silhouette_min_pixels", "-1"},
-                      Refused{"horizon_s", "-0.1"}, Refused{"horizon_s", "soon"},
-                      Refused{"joint_timeout_s", "0"}, Refused{"transform_timeout_s", "0"},
-                      Refused{"scan_timeout_periods", "0.5"}, Refused{"map_age_max_s", ".nan"},
-                      Refused{"future_max_s", "-0.1"}, Refused{"release_s", "-1"},
-                      Refused{"publish_rate_hz", "0"}, Refused{"marker_rate_hz", "-5"}));
+    ::testing::Values(
+        Refused{"fixed_frame", "'//'"}, Refused{"primitive_scale", "0.5"},
+        Refused{"collision_padding_m", "-0.01"}, Refused{"support_points", "0"},
+        Refused{"support_height_m", "-0.1"}, Refused{"contacts_max", "0"},
+        Refused{"occlusion_resolution_rad", "0"}, Refused{"occlusion_margin_m", "-0.1"},
+        Refused{"occlusion_hidden_fraction", "0"}, Refused{"occlusion_hidden_fraction", "1.1"},
+        Refused{"occlusion_silhouette_min_pixels", "-1"}, Refused{"horizon_s", "-0.1"},
+        Refused{"horizon_s", "soon"}, Refused{"joint_timeout_s", "0"},
+        Refused{"transform_timeout_s", "0"}, Refused{"scan_timeout_periods", "0.5"},
+        Refused{"map_age_max_s", ".nan"}, Refused{"future_max_s", "-0.1"},
+        Refused{"release_s", "-1"}, Refused{"attach_forget_padding_m", "-0.1"},
+        Refused{"attach_forget_s", ".nan"}, Refused{"occlusion_scale", "0.5"},
+        Refused{"occlusion_padding_m", "-0.1"}, Refused{"collision_exceptions", "{a: 1}"},
+        Refused{"publish_rate_hz", "0"}, Refused{"marker_rate_hz", "-5"}));
 
 TEST(SettingsTest, TwoKindsOfWindowAreOneTooMany) {
   expectRefusal(errorOf(readMapperSettings, "{window_scans: 40, window_s: 1.0}"), "window_s");
@@ -265,16 +290,26 @@ TEST(MonitorSettingsTest, FixedFramesThatDifferAreRefused) {
 TEST(MonitorSettingsTest, TheCoreGetsWhatTheFileSays) {
   const File file(
       "topics: {scan: /tilt_scan}\n"
-      "tilt_scan_assembler: {fixed_frame: odom, self_filter: false, capsule_links: [a]}\n"
+      "monitored_robot: {capsule_links: [a], monitored_links: [b], fixed_joints: {c: 0.5},"
+      " link_groups: {d: [e]}}\n"
+      "tilt_scan_assembler: {fixed_frame: odom, self_filter: false,"
+      " self_filter_exceptions: [{links: [a], scale: 1.1}, {links: [b], padding_m: 0.1}]}\n"
       "tccm_mapper: {cell_size_m: 0.05, window_scans: 40}\n"
-      "collision_checker: {fixed_frame: odom, horizon_s: 0.25, monitored_links: [b]}\n");
+      "collision_checker: {fixed_frame: odom, horizon_s: 0.25, collision_links: [b]}\n");
   const MonitorSettings settings = readMonitorSettings(file.path());
   EXPECT_EQ(settings.scan_topic, "/tilt_scan");
   EXPECT_EQ(settings.joint_states_topic, "/joint_states");
   const Monitor::Config config = settings.monitorConfig();
   EXPECT_FALSE(config.self_filter);
-  EXPECT_EQ(config.filtered_links.capsule_links, std::vector<std::string>{"a"});
-  EXPECT_EQ(config.checked_links.monitored_links, std::vector<std::string>{"b"});
+  EXPECT_EQ(settings.robot.capsule_links, std::vector<std::string>{"a"});
+  EXPECT_EQ(settings.robot.monitored_links, std::vector<std::string>{"b"});
+  EXPECT_EQ(settings.robot.fixed_joints.at("c"), 0.5);
+  EXPECT_EQ(settings.robot.link_groups.at("d"), std::vector<std::string>{"e"});
+  EXPECT_EQ(config.checker.pose.collision_use.links, std::vector<std::string>{"b"});
+  ASSERT_EQ(config.body.filtered.exceptions.size(), 2U);
+  EXPECT_EQ(config.body.filtered.exceptions[0].scale, 1.1);
+  EXPECT_FALSE(config.body.filtered.exceptions[0].padding_m);
+  EXPECT_EQ(config.body.filtered.exceptions[1].padding_m, 0.1);
   EXPECT_EQ(config.mapper.map.grid.cell_size_m, 0.05);
   EXPECT_EQ(config.mapper.window_scans, 40);
   EXPECT_EQ(config.checker.horizon_s, 0.25);

@@ -15,6 +15,7 @@ using K = BeamKind;
 /// The sensor at the origin looks along x at a sphere of radius 0.1 m, 1 m away.
 constexpr double kRadius = 0.1;
 constexpr double kAway = 1.0;
+constexpr double kPadding = 0.06;
 
 Pose at(double x, double y, double z) {
   Pose pose = Pose::Identity();
@@ -24,8 +25,9 @@ Pose at(double x, double y, double z) {
 
 Time atSeconds(double seconds) { return Time(fromSeconds(seconds)); }
 
-BodySample sampleOf(const Shape& shape, const Pose& pose, double seconds = 0.0) {
-  return {atSeconds(seconds), {{shape}, {pose}}};
+BodySample sampleOf(const Shape& shape, const Pose& pose, double seconds = 0.0,
+                    double padding = kPadding) {
+  return {atSeconds(seconds), {{shape}, {pose}, {padding}}};
 }
 
 const BodySample kBall = sampleOf(Sphere{kRadius}, at(kAway, 0.0, 0.0));
@@ -96,11 +98,11 @@ TEST(BodyFilterTest, ARealObstacleBesideTheHandIsKept) {
 
 TEST(BodyFilterTest, WithoutShadowDepthOnlyTheBodyItselfIsRemoved) {
   BodyFilter::Config config;
-  config.padding_m = 0.0;
   config.grazing_m = 0.0;
   config.shadow_depth_m = 0.0;
-  EXPECT_EQ(kindOf(kBall, {1.05, 0.0, 0.0}, config), K::kSelf);
-  EXPECT_EQ(kindOf(kBall, {1.11, 0.0, 0.0}, config), K::kReturn);
+  const BodySample bare = sampleOf(Sphere{kRadius}, at(kAway, 0.0, 0.0), 0.0, 0.0);
+  EXPECT_EQ(kindOf(bare, {1.05, 0.0, 0.0}, config), K::kSelf);
+  EXPECT_EQ(kindOf(bare, {1.11, 0.0, 0.0}, config), K::kReturn);
 }
 
 TEST(BodyFilterTest, APrimitiveThatContainsTheSensorCastsNoShadow) {
@@ -110,8 +112,9 @@ TEST(BodyFilterTest, APrimitiveThatContainsTheSensorCastsNoShadow) {
 }
 
 TEST(BodyFilterTest, OnesOwnPointStaysOnesOwnBehindAnotherPrimitive) {
-  const BodySample body{atSeconds(0.0),
-                        {{Sphere{kRadius}, Sphere{kRadius}}, {at(1.0, 0, 0), at(1.3, 0, 0)}}};
+  const BodySample body{
+      atSeconds(0.0),
+      {{Sphere{kRadius}, Sphere{kRadius}}, {at(1.0, 0, 0), at(1.3, 0, 0)}, {kPadding, kPadding}}};
   EXPECT_EQ(kindOf(body, {1.2, 0.0, 0.0}), K::kSelf);
 }
 
@@ -126,6 +129,17 @@ TEST(BodyFilterTest, EachBeamIsComparedWithTheSampleNearestInTime) {
                         beamTo(third, 0.1)}),
       (std::vector<K>{K::kSelf, K::kReturn, K::kSelf, K::kSelf, K::kReturn, K::kSelf, K::kSelf}));
   EXPECT_EQ(kindsOf(samples, {beamTo(first, -1.0)}), std::vector<K>{K::kSelf});
+}
+
+TEST(BodyFilterTest, EachShapeHasAPaddingOfItsOwn) {
+  const BodySample body{atSeconds(0.0),
+                        {{Sphere{kRadius}, Sphere{kRadius}},
+                         {at(kAway, 0.0, 0.0), at(kAway, 1.0, 0.0)},
+                         {0.01, 0.2}}};
+  EXPECT_EQ(kindOf(body, {0.895, 0.0, 0.0}), K::kSelf);
+  EXPECT_EQ(kindOf(body, {0.885, 0.0, 0.0}), K::kReturn);
+  EXPECT_EQ(kindOf(body, {0.885, 1.0, 0.0}), K::kSelf);
+  EXPECT_EQ(kindOf(body, {0.695, 1.0, 0.0}), K::kReturn);
 }
 
 TEST(BodyFilterTest, NoSamplesLeaveTheScanAsItIs) {
@@ -144,7 +158,7 @@ TEST(BodyFilterTest, OnlyReturnsAreTouched) {
 K byMarching(const Shape& shape, const Pose& pose, const Vector3& p,
              const BodyFilter::Config& config) {
   const Pose T_shape_fixed = pose.inverse();
-  if (distance(shape, T_shape_fixed * p) <= config.padding_m) return K::kSelf;
+  if (distance(shape, T_shape_fixed * p) <= kPadding) return K::kSelf;
   if (distance(shape, T_shape_fixed * Vector3::Zero()) == 0.0) return K::kReturn;
   const Shape grown = expanded(shape, {1.0, config.grazing_m});
   const double range = p.norm();
@@ -165,7 +179,7 @@ TEST(BodyFilterTest, RandomBodiesAgreeWithMarchingAlongTheBeam) {
     const Vector3 through = pose * random.pointIn(bounds(shape, Pose::Identity()));
     const Vector3 p = random.uniform(0.3, 2.0) * through;
     const K expected = byMarching(shape, pose, p, {});
-    const K kind = kindOf({Time(), {{shape}, {pose}}}, p);
+    const K kind = kindOf(sampleOf(shape, pose), p);
     ++seen[static_cast<std::size_t>(kind)];
     different += kind != expected;  // the march may step over a corner, or stop a step short
   }
@@ -179,8 +193,7 @@ TEST(BodyFilterTest, NegativeAndNaNConfigurationsAreRefused) {
   for (const double bad :
        {-0.01, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     for (double BodyFilter::Config::*key :
-         {&BodyFilter::Config::padding_m, &BodyFilter::Config::grazing_m,
-          &BodyFilter::Config::shadow_depth_m}) {
+         {&BodyFilter::Config::grazing_m, &BodyFilter::Config::shadow_depth_m}) {
       BodyFilter::Config config;
       config.*key = bad;
       EXPECT_THROW(BodyFilter{config}, ConfigError);

@@ -38,7 +38,7 @@ PosePath stillPath(double first, double last) {
 std::vector<BodySample> ballInFront() {
   Pose pose = Pose::Identity();
   pose.translation().x() = 0.5;
-  return {{atSeconds(10.0), {{Sphere{0.1}}, {pose}}}};
+  return {{atSeconds(10.0), {{Sphere{0.1}}, {pose}, {0.05}}}};
 }
 
 std::vector<K> kindsOf(const AssembledScan& scan) {

@@ -11,12 +11,14 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 from program import REPOSITORY  # noqa: E402
 
-SECTIONS = ("tilt_scan_assembler", "tccm_mapper", "collision_checker")
+SECTIONS = ("monitored_robot", "tilt_scan_assembler", "tccm_mapper", "collision_checker")
 
 
 def read_keys():
     source = (REPOSITORY / "src" / "ros" / "settings.cpp").read_text(encoding="utf-8")
-    return set(re.findall(r'parameters\.read\("(\w+)"', source))
+    uses = (REPOSITORY / "include/tccm_monitor/robot/link_use.h").read_text(encoding="utf-8")
+    return (set(re.findall(r'parameters\.read\("(\w+)"', source)) |
+            set(re.findall(r'"(\w+)"[,}]', uses)))
 
 
 def shipped_defaults():

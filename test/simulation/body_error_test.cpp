@@ -10,7 +10,7 @@ namespace {
 const std::vector<LinkShape> kDescribed = {{0, Sphere{0.05}, Pose::Identity()},
                                            {1, Capsule{0.04, 0.1}, Pose::Identity()}};
 
-TEST(BodyError, thicker_and_thinner_move_every_surface_by_the_error) {
+TEST(BodyErrorTest, ThickerAndThinnerMoveEverySurfaceByTheError) {
   const auto thicker = trueShapes(kDescribed, {BodyError::Kind::kThicker, 0.005}, 1);
   const auto thinner = trueShapes(kDescribed, {BodyError::Kind::kThinner, 0.005}, 1);
   for (std::size_t i = 0; i < kDescribed.size(); ++i) {
@@ -22,7 +22,7 @@ TEST(BodyError, thicker_and_thinner_move_every_surface_by_the_error) {
   }
 }
 
-TEST(BodyError, displaced_moves_each_primitive_as_far_and_each_elsewhere) {
+TEST(BodyErrorTest, DisplacedMovesEachPrimitiveAsFarAndEachElsewhere) {
   const auto displaced = trueShapes(kDescribed, {BodyError::Kind::kDisplaced, 0.005}, 1);
   for (const PlacedShape& placed : displaced) {
     EXPECT_NEAR(placed.pose.translation().norm(), 0.005, 1e-12);
@@ -30,7 +30,7 @@ TEST(BodyError, displaced_moves_each_primitive_as_far_and_each_elsewhere) {
   EXPECT_GT((displaced[0].pose.translation() - displaced[1].pose.translation()).norm(), 1e-4);
 }
 
-TEST(BodyError, nothing_gets_thinner_than_nothing) {
+TEST(BodyErrorTest, NothingGetsThinnerThanNothing) {
   EXPECT_THROW(trueShapes(kDescribed, {BodyError::Kind::kThinner, 0.06}, 1), ConfigError);
   EXPECT_THROW(static_cast<void>(bodyErrorKind("bent")), ConfigError);
 }

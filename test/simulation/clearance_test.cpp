@@ -11,7 +11,7 @@ double between(const Shape& a, const Shape& b, const Pose& T_a_b) {
   return clearance(SampledBody({{a}, {Pose::Identity()}}, 0.01), SampledBody({{b}, {T_a_b}}, 0.01));
 }
 
-TEST(Clearance, agrees_with_hand_computed_distances) {
+TEST(ClearanceTest, AgreesWithHandComputedDistances) {
   EXPECT_NEAR(between(Sphere{0.1}, Sphere{0.2}, at(1.0, 0.0, 0.0)), 0.7, 1e-4);
   EXPECT_NEAR(between(Box{Vector3(0.1, 0.1, 0.1)}, Sphere{0.1}, at(0.0, 0.0, 0.5)), 0.3, 1e-4);
   EXPECT_NEAR(between(Cylinder{0.03, 0.2}, Capsule{0.04, 0.1}, at(0.2, 0.0, 0.1)), 0.13, 2e-4);
@@ -19,11 +19,11 @@ TEST(Clearance, agrees_with_hand_computed_distances) {
               0.2 * std::sqrt(2.0), 1e-9);
 }
 
-TEST(Clearance, of_bodies_that_meet_is_nothing) {
+TEST(ClearanceTest, OfBodiesThatMeetIsNothing) {
   EXPECT_EQ(between(Sphere{0.1}, Box{Vector3(0.1, 0.1, 0.1)}, at(0.15, 0.0, 0.0)), 0.0);
 }
 
-TEST(Clearance, surface_points_lie_on_the_surface) {
+TEST(ClearanceTest, SurfacePointsLieOnTheSurface) {
   for (const Shape& shape : std::vector<Shape>{Box{Vector3(0.1, 0.2, 0.3)}, Cylinder{0.1, 0.2},
                                                Capsule{0.1, 0.2}, Sphere{0.1}}) {
     const auto points = surfacePoints(shape, 0.02);

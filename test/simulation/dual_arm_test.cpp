@@ -11,29 +11,29 @@ std::vector<double> zeros(const RobotModel& model) {
   return std::vector<double>(model.variables().size(), 0.0);
 }
 
-TEST(DualArm, has_26_primitives_and_19_joints) {
+TEST(DualArmTest, Has26PrimitivesAnd19Joints) {
   const auto model = dualArm();
   EXPECT_EQ(model->shapes().size(), 26U);
   EXPECT_EQ(model->variables().size(), 19U);
 }
 
-TEST(DualArm, tilt_axis_is_at_1515_mm_and_positive_looks_down) {
+TEST(DualArmTest, TiltAxisIsAt1515MmAndPositiveLooksDown) {
   const auto model = dualArm();
   Kinematics kinematics(model);
   std::vector<double> joints = zeros(*model);
-  kinematics.update(joints, Pose::Identity());
+  kinematics.update(joints, {Pose::Identity()});
   EXPECT_NEAR(kinematics.linkPoses()[linkIndex(*model, "laser_tilt_link")].translation().z(), 1.515,
               1e-9);
   joints[variableIndex(*model, "laser_tilt_joint")] = 0.5;
-  kinematics.update(joints, Pose::Identity());
+  kinematics.update(joints, {Pose::Identity()});
   const Pose& T_fixed_laser = kinematics.linkPoses()[linkIndex(*model, "laser_link")];
   EXPECT_LT((T_fixed_laser.linear() * Vector3::UnitX()).z(), -0.4);
 }
 
-TEST(DualArm, only_its_housing_contains_the_sensor) {
+TEST(DualArmTest, OnlyItsHousingContainsTheSensor) {
   const auto model = dualArm();
   Kinematics kinematics(model);
-  kinematics.update(zeros(*model), Pose::Identity());
+  kinematics.update(zeros(*model), {Pose::Identity()});
   const Vector3 sensor = kinematics.linkPoses()[linkIndex(*model, "laser_link")].translation();
   for (std::size_t i = 0; i < model->shapes().size(); ++i) {
     const double away =
@@ -42,10 +42,10 @@ TEST(DualArm, only_its_housing_contains_the_sensor) {
   }
 }
 
-TEST(DualArm, neighbouring_primitives_cover_the_arm_without_gaps) {
+TEST(DualArmTest, NeighbouringPrimitivesCoverTheArmWithoutGaps) {
   const auto model = dualArm();
   Kinematics kinematics(model);
-  kinematics.update(zeros(*model), Pose::Identity());
+  kinematics.update(zeros(*model), {Pose::Identity()});
   const auto& links = kinematics.linkPoses();
   const Vector3 shoulder = links[linkIndex(*model, "right_shoulder_pitch_link")].translation();
   const Vector3 palm_end = links[linkIndex(*model, "right_palm_link")] * Vector3(0.0, 0.0, -0.09);

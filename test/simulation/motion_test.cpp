@@ -13,7 +13,7 @@ namespace {
 
 constexpr Duration kStep = std::chrono::milliseconds(1);
 
-TEST(TiltMotion, covers_15_to_75_degrees_down_in_one_period_of_1575_ms) {
+TEST(TiltMotionTest, Covers15To75DegreesDownInOnePeriodOf1575Ms) {
   const TiltMotion tilt;
   double lowest = 10.0;
   double highest = -10.0;
@@ -26,7 +26,7 @@ TEST(TiltMotion, covers_15_to_75_degrees_down_in_one_period_of_1575_ms) {
   EXPECT_NEAR(tilt.position(1575 * kStep), tilt.position(Duration::zero()), 1e-9);
 }
 
-TEST(TiltMotion, velocity_is_the_derivative_of_position) {
+TEST(TiltMotionTest, VelocityIsTheDerivativeOfPosition) {
   const TiltMotion tilt;
   for (int ms = 0; ms < 1575; ms += 37) {
     const double slope = (tilt.position((ms + 1) * kStep) - tilt.position((ms - 1) * kStep)) / 2e-3;
@@ -34,7 +34,7 @@ TEST(TiltMotion, velocity_is_the_derivative_of_position) {
   }
 }
 
-TEST(PathController, brakes_within_latency_and_deceleration) {
+TEST(PathControllerTest, BrakesWithinLatencyAndDeceleration) {
   for (const double speed : {0.1, 0.25, 0.4}) {
     PathController::Config config;
     config.speed_mps = speed;
@@ -53,7 +53,7 @@ TEST(PathController, brakes_within_latency_and_deceleration) {
   }
 }
 
-TEST(PathController, goes_out_and_back_within_its_speed_and_acceleration) {
+TEST(PathControllerTest, GoesOutAndBackWithinItsSpeedAndAcceleration) {
   const PathController::Config config;
   PathController controller(config, 0.4);
   Time now{};
@@ -72,7 +72,7 @@ TEST(PathController, goes_out_and_back_within_its_speed_and_acceleration) {
   EXPECT_GE(turns, 8);
 }
 
-TEST(PathController, sets_off_slowly_and_only_after_release) {
+TEST(PathControllerTest, SetsOffSlowlyAndOnlyAfterRelease) {
   const PathController::Config config;
   PathController controller(config, 1.0);
   Time now{};
@@ -84,20 +84,20 @@ TEST(PathController, sets_off_slowly_and_only_after_release) {
   EXPECT_NEAR(controller.speed(), config.resume_mps2 * 1.0, 0.01);
 }
 
-TEST(ArmPath, reach_moves_the_palm_forward_by_the_length_it_states) {
+TEST(ArmPathTest, ReachMovesThePalmForwardByTheLengthItStates) {
   const auto model = dualArm();
   const ArmPath path = armPath(model, "reach");
   Kinematics kinematics(model);
   const std::size_t palm = linkIndex(*model, "right_palm_link");
-  kinematics.update(path.positions(0.0), Pose::Identity());
+  kinematics.update(path.positions(0.0), {Pose::Identity()});
   const Vector3 start = kinematics.linkPoses()[palm].translation();
-  kinematics.update(path.positions(path.length()), Pose::Identity());
+  kinematics.update(path.positions(path.length()), {Pose::Identity()});
   const Vector3 end = kinematics.linkPoses()[palm].translation();
   EXPECT_NEAR((end - start).norm(), path.length(), 1e-3);
   EXPECT_NEAR((end - start).x(), 0.46, 1e-3);
 }
 
-TEST(ArmPath, slopes_are_the_derivatives_of_positions_and_the_hand_keeps_its_pace) {
+TEST(ArmPathTest, SlopesAreTheDerivativesOfPositionsAndTheHandKeepsItsPace) {
   const auto model = dualArm();
   constexpr double kWay = 1e-4;
   for (const std::string& name : motionNames()) {
@@ -111,16 +111,16 @@ TEST(ArmPath, slopes_are_the_derivatives_of_positions_and_the_hand_keeps_its_pac
       for (std::size_t j = 0; j < slopes.size(); ++j) {
         EXPECT_NEAR(slopes[j], (after[j] - before[j]) / (2.0 * kWay), 1e-2) << name << " " << j;
       }
-      kinematics.update(before, Pose::Identity());
+      kinematics.update(before, {Pose::Identity()});
       const Vector3 from = kinematics.linkPoses()[palm].translation();
-      kinematics.update(after, Pose::Identity());
+      kinematics.update(after, {Pose::Identity()});
       const double way = (kinematics.linkPoses()[palm].translation() - from).norm();
       EXPECT_NEAR(way / (2.0 * kWay), 1.0, 0.05) << name << " at " << s;
     }
   }
 }
 
-TEST(ArmPath, an_unknown_motion_is_refused) { EXPECT_ANY_THROW((void)armPath(dualArm(), "dance")); }
+TEST(ArmPathTest, AnUnknownMotionIsRefused) { EXPECT_ANY_THROW((void)armPath(dualArm(), "dance")); }
 
 }  // namespace
 }  // namespace tccm::simulation

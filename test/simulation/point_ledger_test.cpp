@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kScene = Simulator::kFirstObject;
 
-TEST(PointLedger, a_beam_comes_from_the_body_the_scene_or_between_the_two) {
+TEST(PointLedgerTest, ABeamComesFromTheBodyTheSceneOrBetweenTheTwo) {
   EXPECT_EQ(sourceOf({3, false, 0, 0}), BeamSource::kOwn);
   EXPECT_EQ(sourceOf({kScene, false, 0, 0}), BeamSource::kScene);
   EXPECT_EQ(sourceOf({kScene, true, 3, kScene}), BeamSource::kOwnMixed);
@@ -17,7 +17,7 @@ TEST(PointLedger, a_beam_comes_from_the_body_the_scene_or_between_the_two) {
   EXPECT_EQ(sourceOf({kScene, true, kScene, kScene + 1}), BeamSource::kSceneMixed);
 }
 
-TEST(PointLedger, counts_the_window_s_points_in_the_cells_and_heights_around_a_cuboid) {
+TEST(PointLedgerTest, CountsTheWindowSPointsInTheCellsAndHeightsAroundACuboid) {
   CuboidMap map;
   map.thickness = 20;
   const CellIndex row = map.grid.cellsX();

@@ -33,7 +33,7 @@ double azimuthOf(const LaserScan& scan, std::size_t beam) {
   return scan.angle_min + static_cast<double>(beam) * scan.angle_increment;
 }
 
-TEST(Scanner, has_the_beams_angles_and_times_of_its_model) {
+TEST(ScannerTest, HasTheBeamsAnglesAndTimesOfItsModel) {
   Scanner scanner(noiseless(), 1);
   const LaserScan scan = scanner.measure(Time{}, standing({})).scan;
   ASSERT_EQ(scan.ranges.size(), 667U);
@@ -43,7 +43,7 @@ TEST(Scanner, has_the_beams_angles_and_times_of_its_model) {
   for (const float range : scan.ranges) EXPECT_EQ(range, std::numeric_limits<float>::infinity());
 }
 
-TEST(Scanner, ranges_to_a_wall_are_its_distance_over_the_cosine) {
+TEST(ScannerTest, RangesToAWallAreItsDistanceOverTheCosine) {
   Scanner scanner(noiseless(), 1);
   const auto [scan, truth] =
       scanner.measure(Time{}, standing({{Box{Vector3(0.05, 10.0, 1.0)}, at(1.55, 0.0, 0.0)}}));
@@ -59,14 +59,14 @@ TEST(Scanner, ranges_to_a_wall_are_its_distance_over_the_cosine) {
   }
 }
 
-TEST(Scanner, the_range_to_a_pillar_ahead_is_its_distance_less_its_radius) {
+TEST(ScannerTest, TheRangeToAPillarAheadIsItsDistanceLessItsRadius) {
   Scanner scanner(noiseless(), 1);
   const LaserScan scan =
       scanner.measure(Time{}, standing({{Cylinder{0.2, 1.0}, at(2.0, 0.0, 0.0)}})).scan;
   EXPECT_NEAR(scan.ranges[333], 1.8, 1e-6);
 }
 
-TEST(Scanner, each_beam_meets_what_is_there_at_its_own_time) {
+TEST(ScannerTest, EachBeamMeetsWhatIsThereAtItsOwnTime) {
   const Shape wall = Box{Vector3(0.5, 10.0, 1.0)};
   std::vector<Snapshot> approaching;
   for (int ms = 0; ms <= 20; ++ms) {
@@ -81,7 +81,7 @@ TEST(Scanner, each_beam_meets_what_is_there_at_its_own_time) {
   }
 }
 
-TEST(Scanner, noise_has_the_deviation_asked_for) {
+TEST(ScannerTest, NoiseHasTheDeviationAskedFor) {
   Scanner scanner(Scanner::Config{}, 3);
   const auto scene = standing({{Box{Vector3(0.05, 10.0, 1.0)}, at(1.05, 0.0, 0.0)}});
   double sum = 0.0;
@@ -97,7 +97,7 @@ TEST(Scanner, noise_has_the_deviation_asked_for) {
   EXPECT_NEAR(std::sqrt(sum / count), 0.01, 0.0005);
 }
 
-TEST(Scanner, does_not_see_its_own_housing_and_says_too_close_below_its_least_range) {
+TEST(ScannerTest, DoesNotSeeItsOwnHousingAndSaysTooCloseBelowItsLeastRange) {
   Scanner scanner(noiseless(), 1);
   const LaserScan scan =
       scanner
@@ -108,7 +108,7 @@ TEST(Scanner, does_not_see_its_own_housing_and_says_too_close_below_its_least_ra
   EXPECT_EQ(scan.ranges[600], std::numeric_limits<float>::infinity());
 }
 
-TEST(Scanner, about_half_of_the_beams_on_an_edge_measure_something_in_between) {
+TEST(ScannerTest, AboutHalfOfTheBeamsOnAnEdgeMeasureSomethingInBetween) {
   Scanner scanner(noiseless(), 5);
   const auto scene = standing({{Box{Vector3(0.05, 0.3, 1.0)}, at(1.05, 0.0, 0.0)},
                                {Box{Vector3(0.05, 10.0, 1.0)}, at(2.05, 0.0, 0.0)}});

@@ -17,20 +17,16 @@ SelfFilterTrial::Config halfAMinute() {
   config.simulator.wander_length_m = 8.0;
   config.simulator.body_error = {BodyError::Kind::kThicker, 0.005};
   config.duration_s = 30.0;
-  for (RobotModel::Config* links :
-       {&config.monitor.filtered_links, &config.monitor.checked_links}) {
-    links->capsule_links = dualArmCapsuleLinks();
-  }
   config.monitor.mapper.map.grid.height_min_m = 0.1;
   return config;
 }
 
 SelfFilterTally run(const SelfFilterTrial::Config& config) {
-  SelfFilterTrial trial(config, dualArmUrdf());
+  SelfFilterTrial trial(config, dualArm());
   return trial.run({});
 }
 
-TEST(SelfFilterTrial, with_the_defaults_no_own_point_is_mapped_and_nothing_is_touched) {
+TEST(SelfFilterTrialTest, WithTheDefaultsNoOwnPointIsMappedAndNothingIsTouched) {
   for (const std::uint64_t seed : {1U, 2U}) {
     SelfFilterTrial::Config config = halfAMinute();
     config.simulator.seed = seed;
@@ -45,7 +41,7 @@ TEST(SelfFilterTrial, with_the_defaults_no_own_point_is_mapped_and_nothing_is_to
   }
 }
 
-TEST(SelfFilterTrial, without_the_self_filter_the_robot_touches_itself) {
+TEST(SelfFilterTrialTest, WithoutTheSelfFilterTheRobotTouchesItself) {
   SelfFilterTrial::Config config = halfAMinute();
   config.duration_s = 20.0;
   config.monitor.self_filter = false;
@@ -54,16 +50,16 @@ TEST(SelfFilterTrial, without_the_self_filter_the_robot_touches_itself) {
             (std::vector<std::string>{"own_points", "contacts_with_body"}));
 }
 
-TEST(SelfFilterTrial, with_10_mm_of_padding_noise_puts_the_body_into_the_map) {
+TEST(SelfFilterTrialTest, With10MmOfPaddingNoisePutsTheBodyIntoTheMap) {
   SelfFilterTrial::Config config = halfAMinute();
   config.duration_s = 20.0;
-  config.monitor.assembler.body.padding_m = 0.01;
+  config.monitor.body.filtered.expansion.padding_m = 0.01;
   const SelfFilterTally tally = run(config);
   EXPECT_GT(tally.of(BeamSource::kOwn).mapped(), 100U);
   EXPECT_GT(tally.contacts_with_body, 0U);
 }
 
-TEST(SelfFilterTrial, a_deep_shadow_and_a_wide_grazing_radius_cost_more_of_the_scene_than_allowed) {
+TEST(SelfFilterTrialTest, ADeepShadowAndAWideGrazingRadiusCostMoreOfTheSceneThanAllowed) {
   SelfFilterTrial::Config config = halfAMinute();
   config.duration_s = 20.0;
   config.monitor.assembler.body.shadow_depth_m = 100.0;
@@ -72,16 +68,16 @@ TEST(SelfFilterTrial, a_deep_shadow_and_a_wide_grazing_radius_cost_more_of_the_s
   EXPECT_EQ(missed, std::vector<std::string>{"scene_removed"});
 }
 
-TEST(SelfFilterTrial, the_same_seed_gives_the_same_figures) {
+TEST(SelfFilterTrialTest, TheSameSeedGivesTheSameFigures) {
   SelfFilterTrial::Config config = halfAMinute();
   config.duration_s = 3.0;
   EXPECT_EQ(toJson(run(config)).dump(), toJson(run(config)).dump());
 }
 
-TEST(SelfFilterTrial, refuses_a_duration_that_is_no_time) {
+TEST(SelfFilterTrialTest, RefusesADurationThatIsNoTime) {
   SelfFilterTrial::Config config = halfAMinute();
   config.duration_s = 0.0;
-  EXPECT_THROW(SelfFilterTrial(config, dualArmUrdf()), std::runtime_error);
+  EXPECT_THROW(SelfFilterTrial(config, dualArm()), std::runtime_error);
 }
 
 }  // namespace

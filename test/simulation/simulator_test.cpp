@@ -34,7 +34,7 @@ bool sameRanges(const SimulatedScan& a, const SimulatedScan& b) {
                      a.scan.ranges.size() * sizeof(float)) == 0;
 }
 
-TEST(Simulator, the_same_seed_gives_the_same_scans_byte_for_byte_and_another_does_not) {
+TEST(SimulatorTest, TheSameSeedGivesTheSameScansByteForByteAndAnotherDoesNot) {
   Simulator::Config config = poleAhead();
   Simulator first(config);
   Simulator second(config);
@@ -51,7 +51,7 @@ TEST(Simulator, the_same_seed_gives_the_same_scans_byte_for_byte_and_another_doe
   }
 }
 
-TEST(Simulator, scans_come_every_28_ms_and_the_robot_every_10_ms) {
+TEST(SimulatorTest, ScansComeEvery28MsAndTheRobotEvery10Ms) {
   Simulator simulator(Simulator::Config{});
   const Time start = simulator.now();
   int robots = 0;
@@ -69,9 +69,9 @@ TEST(Simulator, scans_come_every_28_ms_and_the_robot_every_10_ms) {
   EXPECT_EQ(robots, 100);
 }
 
-class Obstacles : public ::testing::TestWithParam<ObstacleKind> {};
+class ObstaclesTest : public ::testing::TestWithParam<ObstacleKind> {};
 
-TEST_P(Obstacles, brought_in_are_in_place_150_mm_ahead_of_the_moving_hand_and_seen) {
+TEST_P(ObstaclesTest, BroughtInAreInPlace150MmAheadOfTheMovingHandAndSeen) {
   Simulator::Config config;
   config.obstacle = GetParam();
   config.appear_s = 1.0;
@@ -92,14 +92,14 @@ TEST_P(Obstacles, brought_in_are_in_place_150_mm_ahead_of_the_moving_hand_and_se
   }
 }
 
-TEST(Simulator, an_obstacle_that_could_never_appear_is_refused) {
+TEST(SimulatorTest, AnObstacleThatCouldNeverAppearIsRefused) {
   Simulator::Config config;
   config.obstacle = ObstacleKind::kPole;
   config.controller.speed_mps = 1.2;
   EXPECT_ANY_THROW(Simulator{config});
 }
 
-TEST_P(Obstacles, are_met_by_a_hand_that_does_not_stop_but_not_by_one_that_does) {
+TEST_P(ObstaclesTest, AreMetByAHandThatDoesNotStopButNotByOneThatDoes) {
   for (const bool obeys : {false, true}) {
     Simulator::Config config;
     config.obstacle = GetParam();
@@ -127,7 +127,7 @@ TEST_P(Obstacles, are_met_by_a_hand_that_does_not_stop_but_not_by_one_that_does)
   }
 }
 
-TEST_P(Obstacles, for_occlusion_lie_between_sensor_and_hand_and_touch_neither) {
+TEST_P(ObstaclesTest, ForOcclusionLieBetweenSensorAndHandAndTouchNeither) {
   Simulator::Config config;
   config.obstacle = GetParam();
   config.purpose = ObstaclePurpose::kOcclusion;
@@ -138,11 +138,11 @@ TEST_P(Obstacles, for_occlusion_lie_between_sensor_and_hand_and_touch_neither) {
   EXPECT_GT(*simulator.truth().obstacle_min_m, 0.1);
 }
 
-INSTANTIATE_TEST_SUITE_P(AllKinds, Obstacles,
+INSTANTIATE_TEST_SUITE_P(AllKinds, ObstaclesTest,
                          ::testing::Values(ObstacleKind::kPole, ObstacleKind::kArm,
                                            ObstacleKind::kBox));
 
-TEST(Simulator, beams_see_table_objects_and_the_own_arm) {
+TEST(SimulatorTest, BeamsSeeTableObjectsAndTheOwnArm) {
   Simulator simulator(Simulator::Config{});
   std::map<std::string, int> seen;
   for (const SimulatedScan& scan : scansOf(simulator, 1.6)) {
@@ -160,15 +160,21 @@ TEST(Simulator, beams_see_table_objects_and_the_own_arm) {
   EXPECT_EQ(seen["head_roll_link"], 0);
 }
 
+std::vector<std::size_t> armShapes(const RobotModel& model) {
+  LinkUse arms;
+  arms.links = {"left_*", "right_*"};
+  return model.shapesFor(arms, kCollisionKeys).shapes;
+}
+
 /// Of any primitive of the arms from the scene, over a whole motion [m].
 double leastClearance(const std::shared_ptr<const RobotModel>& model, const std::string& motion,
                       const World& world) {
   const ArmPath path = armPath(model, motion);
-  const auto arms = model->shapesOf({"left_*", "right_*"}, "arms");
+  const auto arms = armShapes(*model);
   Kinematics kinematics(model);
   double least = 1.0;
   for (double s = 0.0; s <= path.length(); s += 0.02) {
-    kinematics.update(path.positions(s), Pose::Identity());
+    kinematics.update(path.positions(s), {Pose::Identity()});
     for (const std::size_t i : arms) {
       const SampledBody arm({{model->shapes()[i].shape}, {kinematics.shapePoses()[i]}}, 0.02);
       for (const SceneObject& object : world) {
@@ -180,7 +186,7 @@ double leastClearance(const std::shared_ptr<const RobotModel>& model, const std:
   return least;
 }
 
-TEST(Simulator, arms_in_motion_keep_80_mm_clear_of_the_scene) {
+TEST(SimulatorTest, ArmsInMotionKeep80MmClearOfTheScene) {
   for (const std::string& scene_name : sceneNames()) {
     for (const std::string& motion : motionNames()) {
       EXPECT_GT(leastClearance(dualArm(), motion, scene(scene_name)), 0.08)

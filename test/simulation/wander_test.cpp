@@ -16,7 +16,7 @@ bool isArm(const std::string& link) {
 SampledBody armsAt(const std::shared_ptr<const RobotModel>& model,
                    const std::vector<double>& joints) {
   Kinematics kinematics(model);
-  kinematics.update(joints, Pose::Identity());
+  kinematics.update(joints, {Pose::Identity()});
   Body arms;
   for (std::size_t i = 0; i < model->shapes().size(); ++i) {
     if (!isArm(model->linkOf(i))) continue;
@@ -36,7 +36,7 @@ SampledBody withoutFloor(const World& world) {
   return {body, 0.02};
 }
 
-TEST(Wander, arms_keep_clear_of_the_scene_also_half_a_second_ahead) {
+TEST(WanderTest, ArmsKeepClearOfTheSceneAlsoHalfASecondAhead) {
   const auto model = dualArm();
   const World world = scene("table");
   const SampledBody table = withoutFloor(world);
@@ -57,7 +57,7 @@ TEST(Wander, arms_keep_clear_of_the_scene_also_half_a_second_ahead) {
   }
 }
 
-TEST(Wander, joints_stay_within_their_limits) {
+TEST(WanderTest, JointsStayWithinTheirLimits) {
   const auto model = dualArm();
   WanderConfig config;
   config.length_m = 6.0;
@@ -71,7 +71,7 @@ TEST(Wander, joints_stay_within_their_limits) {
   }
 }
 
-TEST(Wander, a_scene_that_fills_the_space_leaves_no_way) {
+TEST(WanderTest, ASceneThatFillsTheSpaceLeavesNoWay) {
   const World block = {{"block", Box{Vector3(2.0, 2.0, 2.0)}, at(0.0, 0.0, 1.0), {}}};
   EXPECT_THROW(wanderPath(dualArm(), block, {}), ConfigError);
 }

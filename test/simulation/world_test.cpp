@@ -5,7 +5,7 @@
 namespace tccm::simulation {
 namespace {
 
-TEST(World, an_object_appears_and_moves_straight_to_its_place) {
+TEST(WorldTest, AnObjectAppearsAndMovesStraightToItsPlace) {
   SceneObject object{"ball", Sphere{0.1}, at(1.0, 0.0, 0.0), Eigen::Vector3f::Zero()};
   const Time appears{std::chrono::seconds(5)};
   object.entrance = Entrance{appears, Vector3(0.0, 1.0, 0.0), 0.5};
@@ -15,7 +15,7 @@ TEST(World, an_object_appears_and_moves_straight_to_its_place) {
   EXPECT_EQ(object.poseAt(appears + std::chrono::seconds(3))->translation().y(), 0.0);
 }
 
-TEST(World, every_scene_has_valid_shapes_and_an_unknown_one_is_refused) {
+TEST(WorldTest, EverySceneHasValidShapesAndAnUnknownOneIsRefused) {
   for (const std::string& name : sceneNames()) {
     const World world = scene(name);
     EXPECT_FALSE(world.empty());
@@ -24,7 +24,7 @@ TEST(World, every_scene_has_valid_shapes_and_an_unknown_one_is_refused) {
   EXPECT_ANY_THROW((void)scene("moon"));
 }
 
-TEST(World, the_table_top_is_at_750_mm_from_450_mm_ahead) {
+TEST(WorldTest, TheTableTopIsAt750MmFrom450MmAhead) {
   for (const SceneObject& object : scene("table")) {
     if (object.name != "table" || name(object.shape) != "box") continue;
     const UprightBox box = bounds(object.shape, object.T_fixed_shape);

@@ -42,7 +42,7 @@ class CheckerFixture : public ::testing::Test {
     checker_->addJoints(at(stamp), {"slide", "glide"}, {slide, 0.0}, {velocity, 0.0});
   }
   void setRoot(double stamp, bool is_static = false) {
-    checker_->setRootPose(at(stamp), Pose::Identity(), is_static);
+    checker_->setRootPose(0, at(stamp), Pose::Identity(), is_static);
   }
   /// Everything there is, fresh.
   void feed(double now, const CuboidMap& map, double slide = 0.0, double velocity = 0.0) {

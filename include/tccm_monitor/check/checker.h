@@ -45,9 +45,19 @@ class Checker {
   JointStates::Added addJoints(Time stamp, const std::vector<std::string>& names,
                                const std::vector<double>& positions,
                                const std::vector<double>& velocities);
-  /// The robot's root in the fixed frame. One that does not move (the same frame, or static
-  /// transforms alone) never grows old.
-  void setRootPose(Time stamp, const Pose& T_fixed_root, bool is_static);
+  /// One of the model's roots in the fixed frame. One that does not move (the same frame, or
+  /// static transforms alone) never grows old.
+  /// @param root index into the model's roots().
+  void setRootPose(std::size_t root, Time stamp, const Pose& T_fixed_root, bool is_static);
+  /// The robot has something else in its hand from now on; an object of the same name is replaced.
+  /// @throws ConfigError, and nothing changes.
+  void attach(const AttachedObject& object);
+  /// @return false where no object has that name.
+  bool detach(const std::string& object);
+  [[nodiscard]] const std::vector<AttachedObject>& attached() const { return attached_; }
+  /// Where a link is in the fixed frame; nothing where the model lacks it, or joints or root are
+  /// missing or too old.
+  [[nodiscard]] std::optional<Pose> linkPose(Time now, const std::string& link);
   /// Whether the clock that gives `now` stands still, as a player's or simulation's may.
   void setClockStalls(bool stalls) { clock_stalls_ = stalls; }
   void setMap(Time now, std::shared_ptr<const CuboidMap> map);
@@ -69,7 +79,11 @@ class Checker {
   [[nodiscard]] StateAnswer checkState(Time now, const std::vector<std::string>& names,
                                        const std::vector<double>& positions);
 
+  /// With what it holds.
   [[nodiscard]] const RobotModel& model() const { return *model_; }
+  [[nodiscard]] std::shared_ptr<const RobotModel> sharedModel() const { return model_; }
+  /// Joints that no joint state has named yet.
+  [[nodiscard]] std::vector<std::string> missingJoints() const { return joints_.missingJoints(); }
   [[nodiscard]] const CuboidMap* map() const { return map_.get(); }
   [[nodiscard]] const PoseCheck& poseCheckNow() const { return check_now_; }
   [[nodiscard]] const PoseCheck& poseCheckAhead() const { return check_ahead_; }
@@ -82,13 +96,14 @@ class Checker {
   };
   struct RootPose {
     Time stamp;
-    Pose T_fixed_root;
     bool is_static;
   };
   /// The worst of what is missing, late or unknown; kClear where nothing is.
   [[nodiscard]] Cause inputCause(Time now, const JointSnapshot* joints) const;
   [[nodiscard]] Cause jointsCause(Time now, const JointSnapshot* joints) const;
   [[nodiscard]] Cause rootCause(Time now) const;
+  [[nodiscard]] Cause rootCause(Time now, std::size_t root) const;
+  [[nodiscard]] bool rootsKnown() const;
   [[nodiscard]] Cause mapCause(Time now) const;
   /// What a pose's findings mean; the reasons are those of the present pose, or of the one ahead.
   [[nodiscard]] Cause findingsCause(const PoseFindings& findings, bool ahead) const;
@@ -96,18 +111,23 @@ class Checker {
   void lookAhead(const JointSnapshot& joints);
   [[nodiscard]] bool needsRelease(Reason reason) const;
   void decide(const Cause& cause);
+  void hold(std::vector<AttachedObject> objects);
 
   std::shared_ptr<const RobotModel> model_;
   Config config_;
+  std::shared_ptr<const RobotModel> bare_model_;  ///< with empty hands
+  std::vector<AttachedObject> attached_;
   JointStates joints_;
+  Kinematics kinematics_;  ///< for questions
   PoseCheck check_now_;
   PoseCheck check_ahead_;
   PoseCheck check_state_;
   std::shared_ptr<const CuboidMap> map_;
   Time map_arrival_;
-  std::optional<double> scan_period_s_;  ///< the mean of the recent ones
-  std::optional<Time> started_;          ///< the first check
-  std::optional<RootPose> root_;
+  std::optional<double> scan_period_s_;         ///< the mean of the recent ones
+  std::optional<Time> started_;                 ///< the first check
+  std::vector<std::optional<RootPose>> roots_;  ///< by the model's roots
+  std::vector<Pose> T_fixed_roots_;
   bool clock_stalls_ = false;
   std::vector<double> positions_ahead_;
   bool was_known_ = false;         ///< since the start: what is missing before is no stop

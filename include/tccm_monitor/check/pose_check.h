@@ -8,6 +8,7 @@
 #include "tccm_monitor/check/occlusion_check.h"
 #include "tccm_monitor/check/verdict.h"
 #include "tccm_monitor/robot/kinematics.h"
+#include "tccm_monitor/robot/link_use.h"
 
 namespace tccm {
 
@@ -15,35 +16,49 @@ namespace tccm {
 class PoseCheck {
  public:
   struct Config {
-    /// How the primitives grow before they are checked for collision. The self filter erases what
-    /// comes nearer than its own padding, so this one should not be much smaller.
-    Expansion expansion{1.0, 0.04};
+    /// What is checked for collision. The self filter erases what comes nearer than its own
+    /// padding, so this one should not be much smaller.
+    LinkUse collision_use{Expansion{1.0, 0.04}};
+    LinkUse occlusion_use = linksAlone();  ///< what the sensor should see
     CollisionCheck::Config collision;
     OcclusionCheck::Config occlusion;
     bool check_occlusion = true;
-    /// Link names or patterns with * and ?; empty: all monitored links.
-    std::vector<std::string> collision_links;
-    std::vector<std::string> occlusion_links;
 
     /// @throws ConfigError
     void validate() const;
+
+   private:
+    /// Whether a grasped object must be seen is decided by its link.
+    [[nodiscard]] static LinkUse linksAlone() {
+      LinkUse use;
+      use.all_objects = false;
+      return use;
+    }
   };
 
   /// @throws ConfigError
   PoseCheck(std::shared_ptr<const RobotModel> model, const Config& config);
 
-  /// @param positions one for each of the model's variables.
+  /// @param positions one for each of the model's variables. @param T_fixed_roots one for each of
+  /// its roots.
   /// @param findings reused. Contacts name the model's shapes, links the model's links.
-  void check(const CuboidMap& map, const std::vector<double>& positions, const Pose& T_fixed_root,
-             PoseFindings& findings);
+  void check(const CuboidMap& map, const std::vector<double>& positions,
+             const std::vector<Pose>& T_fixed_roots, PoseFindings& findings);
 
   [[nodiscard]] const OcclusionCheck& occlusion() const { return occlusion_; }
   /// The shape that the i-th body of the occlusion picture stands for.
-  [[nodiscard]] std::size_t occlusionShape(std::size_t i) const { return occlusion_shapes_[i]; }
+  [[nodiscard]] std::size_t occlusionShape(std::size_t i) const {
+    return occlusion_used_.shapes[i];
+  }
+  /// The primitives as drawn for occlusion, at the pose of the last check; none where occlusion is
+  /// not checked.
+  [[nodiscard]] const Body& occlusionBody() const { return occlusion_body_; }
   /// The primitives as checked for collision, at the pose of the last check.
   [[nodiscard]] const Body& collisionBody() const { return collision_body_; }
   /// The model's shape that the i-th of them stands for.
-  [[nodiscard]] std::size_t collisionShape(std::size_t i) const { return collision_shapes_[i]; }
+  [[nodiscard]] std::size_t collisionShape(std::size_t i) const {
+    return collision_used_.shapes[i];
+  }
   [[nodiscard]] bool isOccluded(const LinkVisibility& link) const {
     return occlusion_.isOccluded(link);
   }
@@ -52,8 +67,8 @@ class PoseCheck {
   std::shared_ptr<const RobotModel> model_;
   Config config_;
   Kinematics kinematics_;
-  std::vector<std::size_t> collision_shapes_;
-  std::vector<std::size_t> occlusion_shapes_;
+  UsedShapes collision_used_;
+  UsedShapes occlusion_used_;
   Body collision_body_;
   Body occlusion_body_;
   CollisionCheck collision_;

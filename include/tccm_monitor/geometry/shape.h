@@ -71,10 +71,12 @@ struct Expansion {
 /// part may be 0).
 void validate(const Shape& shape, const std::string& owner);
 
-/// Shapes placed in one frame at one instant; both vectors have the same length.
+/// Shapes placed in one frame at one instant; shapes and poses have the same length.
 struct Body {
   std::vector<Shape> shapes;
   std::vector<Pose> poses;  ///< T_fixed_shape
+  /// How near a point counts as the shape's own; for the self filter alone.
+  std::vector<double> paddings_m = {};
 };
 
 /// A moving body at one instant.

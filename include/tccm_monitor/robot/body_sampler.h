@@ -7,6 +7,7 @@
 
 #include "tccm_monitor/robot/joint_states.h"
 #include "tccm_monitor/robot/kinematics.h"
+#include "tccm_monitor/robot/link_use.h"
 
 namespace tccm {
 
@@ -15,6 +16,10 @@ class BodySampler {
  public:
   struct Config {
     JointStates::Config joints;
+    /// What is filtered out. Its padding is how near a point counts as the robot's own: it needs
+    /// five times the range noise plus the body model's error; a check padded by less relies on
+    /// older points inside that shell.
+    LinkUse filtered{Expansion{1.0, 0.06}};
     /// Time between two samples. Half of it at a hand's speed is the error of its place.
     double sample_s = 0.004;
 
@@ -28,18 +33,28 @@ class BodySampler {
   [[nodiscard]] JointStates& joints() { return joints_; }
   [[nodiscard]] const JointStates& joints() const { return joints_; }
 
+  /// The same robot with other objects in its hand. @throws ConfigError, and nothing changes.
+  void setModel(std::shared_ptr<const RobotModel> model);
+  [[nodiscard]] const RobotModel& model() const { return *model_; }
+
   /// Samples from first to last, both included; fewer samples than before keep their memory.
-  /// @param T_fixed_root the robot's root over that time.
+  /// @param T_fixed_roots the robot's roots over that time, in the model's order.
   /// @return empty, or why the body is unknown at that time: no_transform, no_joint_states.
-  [[nodiscard]] std::string sample(Time first, Time last, const PosePath& T_fixed_root);
+  [[nodiscard]] std::string sample(Time first, Time last,
+                                   const std::vector<PosePath>& T_fixed_roots);
   [[nodiscard]] const std::vector<BodySample>& samples() const { return samples_; }
 
  private:
+  /// Fills roots_. @return false where one is not known at that time.
+  [[nodiscard]] bool placeRoots(Time stamp, const std::vector<PosePath>& T_fixed_roots);
+
   std::shared_ptr<const RobotModel> model_;
   Config config_;
   JointStates joints_;
   Kinematics kinematics_;
-  std::vector<Shape> shapes_;
+  UsedShapes used_;
+  Body body_;  ///< what all samples have in common
+  std::vector<Pose> roots_;
   std::vector<double> positions_;
   std::vector<BodySample> samples_;
 };

@@ -52,6 +52,8 @@ class JointStates {
 
   /// The first joint never heard of, if there is one.
   [[nodiscard]] std::optional<std::string> missingJoint() const;
+  /// All joints never heard of.
+  [[nodiscard]] std::vector<std::string> missingJoints() const;
   /// Nothing while a joint is missing. A robot without joints has the stamp of the last message.
   /// The result is valid until the next call.
   [[nodiscard]] const JointSnapshot* latest();

@@ -14,7 +14,8 @@ class Kinematics {
   explicit Kinematics(std::shared_ptr<const RobotModel> model);
 
   /// @param positions [rad] or [m], one for each of the model's variables, in their order.
-  void update(const std::vector<double>& positions, const Pose& T_fixed_root);
+  /// @param T_fixed_roots one for each of the model's roots, in their order.
+  void update(const std::vector<double>& positions, const std::vector<Pose>& T_fixed_roots);
 
   /// T_fixed_link, one for each of the model's links.
   [[nodiscard]] const std::vector<Pose>& linkPoses() const { return link_poses_; }

@@ -16,6 +16,7 @@
 #include <string>
 
 #include "tccm_monitor/check/checker.h"
+#include "tccm_monitor/ros/attachments.h"
 #include "tccm_monitor/ros/settings.h"
 #include "tccm_monitor/ros/transform_listener.h"
 
@@ -47,6 +48,7 @@ class CollisionChecker : public nodelet::Nodelet {
 
   CheckerSettings settings_;
   std::unique_ptr<Checker> checker_;
+  std::unique_ptr<Attachments> attachments_;
   std::unique_ptr<TransformListener> transforms_;
   boost::recursive_mutex reconfiguration_mutex_;  ///< the server wants one to be shared with it
   std::unique_ptr<dynamic_reconfigure::Server<Reconfiguration>> reconfiguration_;

@@ -4,6 +4,7 @@
 #include <ros/time.h>
 #include <sensor_msgs/LaserScan.h>
 #include <sensor_msgs/PointCloud2.h>
+#include <tccm_monitor/AttachedObject.h>
 #include <tccm_monitor/CuboidMap.h>
 #include <tccm_monitor/MonitorStatus.h>
 
@@ -46,5 +47,15 @@ void toMessage(const CuboidMap& map, const std::string& frame, tccm_monitor::Cub
 /// All but the frame and scan_to_verdict_ms. @param checker that gave the verdict.
 void toMessage(const Verdict& verdict, const Checker& checker,
                tccm_monitor::MonitorStatus& message);
+
+/// @throws ConfigError naming owner where the shape is unknown or its pose no pose; its sizes are
+/// not looked at.
+[[nodiscard]] PlacedShape fromMessage(const tccm_monitor::Primitive& message,
+                                      const std::string& owner);
+[[nodiscard]] tccm_monitor::Primitive toMessage(const PlacedShape& primitive);
+/// @throws ConfigError likewise.
+[[nodiscard]] AttachedObject fromMessage(const tccm_monitor::AttachedObject& message);
+/// The pose in the fixed frame. @throws ConfigError naming owner where it is none.
+[[nodiscard]] Pose fromMessage(const geometry_msgs::Pose& message, const std::string& owner);
 
 }  // namespace tccm

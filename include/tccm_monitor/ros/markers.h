@@ -17,8 +17,13 @@ void toMarker(const tccm_monitor::CuboidMap& map, int static_windows,
               visualization_msgs::Marker& marker);
 
 /// The primitives as checked for collision, now (solid) and ahead (pale): magenta where they touch
-/// the map, blue where hidden from the sensor, grey otherwise; and level and reason as text.
+/// the map, blue where hidden from the sensor, grey otherwise; those drawn for occlusion (green);
+/// and level and reason as text. Each in a namespace of its own.
 void toMarkers(const Verdict& verdict, const Checker& checker, const std::string& frame,
+               visualization_msgs::MarkerArray& markers);
+
+/// The body as the self filter takes it, paddings included (yellow).
+void toMarkers(const BodySample& sample, const std::string& frame,
                visualization_msgs::MarkerArray& markers);
 
 /// The Z-buffer of the last check's present pose, as the sensor sees it, rgb8: links grey, where

@@ -3,6 +3,8 @@
 #include <yaml-cpp/yaml.h>
 
 #include <cstddef>
+#include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -29,12 +31,18 @@ class Parameters {
   void read(const std::string& key, double& value);
   void read(const std::string& key, std::string& value);
   void read(const std::string& key, std::vector<std::string>& value);
+  void read(const std::string& key, std::optional<double>& value);
+  void read(const std::string& key, std::map<std::string, double>& value);
+  void read(const std::string& key, std::map<std::string, std::vector<std::string>>& value);
+  /// The entries of a list of maps, to be read one by one; none where key is not set.
+  [[nodiscard]] std::vector<Parameters> readList(const std::string& key);
 
   /// The keys that are set and were never read: slips, most likely.
   [[nodiscard]] std::vector<std::string> unknownKeys() const;
   [[nodiscard]] const std::string& owner() const { return owner_; }
 
  private:
+  [[nodiscard]] bool isSet(const std::string& key) const;
   template <typename T>
   void readAs(const std::string& key, const char* type, T& value);
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "tccm_monitor/geometry/pose.h"
 #include "tccm_monitor/robot/joint_states.h"
@@ -19,15 +20,16 @@ namespace tccm {
 /// came in; nothing waits.
 class ScanSource {
  public:
-  /// @param root_frame the robot's; empty where none is filtered out.
-  ScanSource(const AssemblerSettings& settings, std::string root_frame,
+  /// @param root_frames those of the robot that is filtered out, in its model's order; none where
+  /// no robot is.
+  ScanSource(const AssemblerSettings& settings, const std::vector<std::string>& root_frames,
              const TransformHistory& transforms);
 
   /// A scan with all that is needed to place its beams.
   struct Ready {
     LaserScan scan;
     PosePath T_fixed_sensor;
-    PosePath T_fixed_root;  ///< empty where no robot is filtered out
+    std::vector<PosePath> T_fixed_roots;
   };
 
   /// A scan that cannot be projected at all is dropped here. @return empty, or what is wrong with
@@ -58,7 +60,7 @@ class ScanSource {
   [[nodiscard]] TransformHistory::Status place(Waiting& waiting, const JointStates* joints);
 
   std::string fixed_frame_;
-  std::string root_frame_;
+  std::vector<std::string> root_frames_;
   std::size_t beams_max_;
   Duration step_;
   Duration wait_max_;

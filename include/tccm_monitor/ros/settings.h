@@ -12,12 +12,12 @@ namespace tccm {
 struct AssemblerSettings {
   std::string fixed_frame = "base_link";
   bool self_filter = true;  ///< false: no robot is filtered out, and none is needed
-  RobotModel::Config robot;
   ScanAssembler::Config assembler;
   BodySampler::Config body;
   double transform_gap_max_s = 0.1;
   double transform_sample_s = 0.004;  ///< the sensor's pose is looked up this often in a scan
   double transform_wait_max_s = 0.5;  ///< a scan that waits longer is dropped
+  double marker_rate_hz = 10.0;
 };
 
 struct MapperSettings {
@@ -28,20 +28,27 @@ struct MapperSettings {
 
 struct CheckerSettings {
   std::string fixed_frame = "base_link";
-  RobotModel::Config robot;
   Checker::Config checker;
   double publish_rate_hz = 50.0;  ///< of flags and status, also where nothing comes in
   double marker_rate_hz = 10.0;
+  /// What was seen this near to an object that is being attached was the object.
+  double attach_forget_padding_m = 0.05;
+  double attach_forget_s = 0.2;  ///< also in scans that are on their way
 };
 
+/// Name of the section, and of the namespace, with what all nodelets have to know of the robot.
+inline constexpr const char* kRobotSection = "monitored_robot";
+
 /// Each reads its keys and validates. @throws ConfigError naming the key.
+[[nodiscard]] RobotModel::Config readRobotSettings(Parameters& parameters);
 [[nodiscard]] AssemblerSettings readAssemblerSettings(Parameters& parameters);
 [[nodiscard]] MapperSettings readMapperSettings(Parameters& parameters);
 [[nodiscard]] CheckerSettings readCheckerSettings(Parameters& parameters);
 
 /// A whole YAML file as the offline programs take it: the nodelets' parameters under their names
-/// (tilt_scan_assembler, tccm_mapper, collision_checker), and `topics`.
+/// (tilt_scan_assembler, tccm_mapper, collision_checker), `monitored_robot` and `topics`.
 struct MonitorSettings {
+  RobotModel::Config robot;
   AssemblerSettings assembler;
   MapperSettings mapper;
   CheckerSettings checker;

@@ -5,11 +5,13 @@
 #include <ros/ros.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <std_srvs/Trigger.h>
+#include <tccm_monitor/AttachedObjects.h>
 #include <tccm_monitor/CuboidMap.h>
 #include <tccm_monitor/GetCuboidMap.h>
 #include <tccm_monitor/MonitorStatus.h>
 #include <visualization_msgs/Marker.h>
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -28,6 +30,7 @@ class TccmMapper : public nodelet::Nodelet {
   void setUp();
   void receiveCloud(const sensor_msgs::PointCloud2::ConstPtr& message);
   void receiveStatus(const tccm_monitor::MonitorStatus::ConstPtr& message);
+  void receiveAttached(const tccm_monitor::AttachedObjects::ConstPtr& message);
   void drop(const std::string& reason);
   void publish();
   void publishMarkers();
@@ -47,10 +50,13 @@ class TccmMapper : public nodelet::Nodelet {
   tccm_monitor::CuboidMap::ConstPtr newest_;
   visualization_msgs::Marker marker_;
   std::vector<tccm_monitor::CuboidFlag> flags_;  ///< by cell
+  std::map<std::string, ros::Time> attached_;    ///< forget_until of those taken into account
+  ros::Time attached_stamp_;
   ros::Publisher map_publisher_;
   ros::Publisher marker_publisher_;
   ros::Subscriber cloud_subscriber_;
   ros::Subscriber status_subscriber_;
+  ros::Subscriber attached_subscriber_;
   ros::ServiceServer clear_service_;
   ros::ServiceServer get_service_;
   ros::WallTimer marker_timer_;
@@ -58,6 +64,7 @@ class TccmMapper : public nodelet::Nodelet {
   std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
   std::size_t mapped_ = 0;
   std::size_t dropped_ = 0;
+  std::size_t forgotten_ = 0;
   IntegrationMap::Added added_;
 };
 

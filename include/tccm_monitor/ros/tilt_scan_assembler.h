@@ -6,6 +6,7 @@
 #include <sensor_msgs/JointState.h>
 #include <sensor_msgs/LaserScan.h>
 #include <sensor_msgs/PointCloud2.h>
+#include <tccm_monitor/AttachedObjects.h>
 
 #include <memory>
 
@@ -24,12 +25,15 @@ class TiltScanAssembler : public nodelet::Nodelet {
   void setUp();
   void receiveScan(const sensor_msgs::LaserScan::ConstPtr& message);
   void receiveJoints(const sensor_msgs::JointState::ConstPtr& message);
+  void receiveAttached(const tccm_monitor::AttachedObjects::ConstPtr& message);
   void process();
   void publish(const ScanSource::Ready& ready);
+  void publishMarkers();
   void warnOfDrops();
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   AssemblerSettings settings_;
+  std::shared_ptr<const RobotModel> bare_model_;  ///< with empty hands
   std::unique_ptr<BodySampler> body_;
   std::unique_ptr<ScanAssembler> assembler_;
   std::unique_ptr<TransformListener> transforms_;
@@ -39,6 +43,9 @@ class TiltScanAssembler : public nodelet::Nodelet {
   ros::Publisher cloud_publisher_;
   ros::Subscriber scan_subscriber_;
   ros::Subscriber joints_subscriber_;
+  ros::Subscriber attached_subscriber_;
+  ros::Publisher marker_publisher_;
+  ros::WallTimer marker_timer_;
   ros::WallTimer diagnostics_timer_;
   std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
   std::size_t received_ = 0;

@@ -14,9 +14,6 @@ namespace tccm {
 class BodyFilter {
  public:
   struct Config {
-    /// Points this near to the body are its own. Needs five times the range noise plus the body
-    /// model's error; a check padded by less relies on older points inside that shell.
-    double padding_m = 0.06;
     /// A beam that passes the body nearer than this grazes it. Every millimetre hides real
     /// obstacles beside the hand.
     double grazing_m = 0.01;
@@ -31,8 +28,9 @@ class BodyFilter {
   /// @throws ConfigError
   explicit BodyFilter(const Config& config);
 
-  /// Turns returns into kSelf or kShadow. Each beam is compared with the sample nearest to it in
-  /// time. A primitive that contains the sensor (a laser's housing) casts no shadow.
+  /// Turns returns into kSelf, where they lie within a shape's padding, or kShadow. Each beam is
+  /// compared with the sample nearest to it in time. A primitive that contains the sensor (a
+  /// laser's housing) casts no shadow.
   /// @param samples at rising instants; empty leaves the scan as it is.
   void apply(const std::vector<BodySample>& samples, AssembledScan& scan) const;
 

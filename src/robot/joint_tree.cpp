@@ -1,0 +1,197 @@
+#include "joint_tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "tccm_monitor/config_error.h"
+#include "urdf_reader.h"
+
+namespace tccm {
+namespace {
+
+constexpr double kMultiplierMax = 1e6;  // of a mimic joint; beyond it is a slip
+
+RobotJoint::Motion motionOf(const urdf::Joint& joint) {
+  switch (joint.type) {
+    case urdf::Joint::FIXED:
+      return RobotJoint::Motion::kFixed;
+    case urdf::Joint::REVOLUTE:
+    case urdf::Joint::CONTINUOUS:
+      return RobotJoint::Motion::kRotation;
+    case urdf::Joint::PRISMATIC:
+      return RobotJoint::Motion::kTranslation;
+    default:
+      throw ConfigError("joint '" + joint.name + "': its type is unknown");
+  }
+}
+
+JointVariable variableOf(const urdf::Joint& joint) {
+  JointVariable variable{joint.name, std::nullopt, std::nullopt};
+  // A <limit> that states neither end is read as 0, 0: that is no limit.
+  const bool stated = joint.limits && (joint.limits->lower != 0.0 || joint.limits->upper != 0.0);
+  if (joint.type != urdf::Joint::CONTINUOUS && stated) {
+    variable.lower = joint.limits->lower;
+    variable.upper = joint.limits->upper;
+    if (!(*variable.lower <= *variable.upper)) {
+      throw ConfigError("joint '" + joint.name + "': its lower limit is above its upper limit");
+    }
+  }
+  return variable;
+}
+
+/// A joint that moves by itself, with the multiplier and offset that lead from it to a mimic.
+struct Drive {
+  urdf::JointConstSharedPtr joint;
+  double multiplier = 1.0;
+  double offset = 0.0;
+};
+
+Drive driveOf(const urdf::ModelInterface& urdf, const urdf::JointConstSharedPtr& joint) {
+  Drive drive{joint};
+  for (std::size_t hops = 0; drive.joint->mimic; ++hops) {
+    const urdf::JointMimic& mimic = *drive.joint->mimic;
+    const auto source = urdf.getJoint(mimic.joint_name);
+    if (!source || hops > urdf.joints_.size()) {
+      throw ConfigError("joint '" + joint->name + "': it mimics '" + mimic.joint_name +
+                        "', which leads to no joint that moves by itself");
+    }
+    drive.offset += drive.multiplier * mimic.offset;
+    drive.multiplier *= mimic.multiplier;
+    drive.joint = source;
+  }
+  if (!(std::abs(drive.multiplier) <= kMultiplierMax && std::abs(drive.offset) <= kMultiplierMax)) {
+    throw ConfigError("joint '" + joint->name +
+                      "': the multiplier or offset of its mimic is out "
+                      "of all range");
+  }
+  if (!isPlacedByJointStates(*drive.joint) || drive.joint->type == urdf::Joint::FIXED) {
+    throw ConfigError("joint '" + joint->name + "': it mimics '" + drive.joint->name +
+                      "', which has no position of its own");
+  }
+  return drive;
+}
+
+/// The link that transforms have to place so that this one can be.
+const urdf::Link* rootOf(const urdf::Link* link) {
+  while (link->parent_joint && isPlacedByJointStates(*link->parent_joint)) {
+    link = link->getParent().get();
+  }
+  return link;
+}
+
+class Builder {
+ public:
+  Builder(const urdf::ModelInterface& urdf, const std::map<std::string, double>& fixed_joints)
+      : urdf_(urdf), fixed_joints_(fixed_joints) {
+    for (const auto& entry : fixed_joints_) requireMovable(entry.first, entry.second);
+  }
+
+  JointTree build(const std::vector<std::string>& monitored) {
+    std::set<std::string> kept;
+    for (const std::string& name : monitored) {
+      const urdf::Link* link = urdf_.getLink(name).get();
+      const urdf::Link* root = rootOf(link);
+      for (; link != root; link = link->getParent().get()) kept.insert(link->name);
+      kept.insert(root->name);
+    }
+    for (const auto& link : linksInOrder(urdf_)) {
+      if (kept.count(link->name) > 0) addLink(*link);
+    }
+    return std::move(tree_);
+  }
+
+ private:
+  void requireMovable(const std::string& name, double position) const {
+    const std::string key = "fixed_joints/" + name;
+    const auto joint = urdf_.getJoint(name);
+    if (!joint) throw ConfigError(key + ": robot_description has no such joint");
+    if (joint->mimic) throw ConfigError(key + ": it mimics '" + joint->mimic->joint_name + "'");
+    if (!isPlacedByJointStates(*joint) || joint->type == urdf::Joint::FIXED) {
+      throw ConfigError(key + ": the joint has no position");
+    }
+    const JointVariable variable = variableOf(*joint);
+    requireInRange(key, position, variable.lower.value_or(-1e6), variable.upper.value_or(1e6));
+  }
+
+  void addLink(const urdf::Link& link) {
+    const std::size_t index = tree_.links.size();
+    tree_.links.push_back(link.name);
+    if (rootOf(&link) == &link) {
+      tree_.roots.push_back(index);
+    } else {
+      addJoint(link.parent_joint, index);
+    }
+  }
+
+  void addJoint(const urdf::JointConstSharedPtr& urdf_joint, std::size_t child) {
+    RobotJoint joint;
+    joint.name = urdf_joint->name;
+    joint.motion = motionOf(*urdf_joint);
+    joint.child = child;
+    joint.parent = indexOf(urdf_joint->parent_link_name);
+    joint.T_parent_joint =
+        toPose(urdf_joint->parent_to_joint_origin_transform, "joint '" + urdf_joint->name + "'");
+    if (joint.motion != RobotJoint::Motion::kFixed) addMotion(urdf_joint, joint);
+    tree_.joints.push_back(joint);
+  }
+
+  void addMotion(const urdf::JointConstSharedPtr& urdf_joint, RobotJoint& joint) {
+    joint.axis << urdf_joint->axis.x, urdf_joint->axis.y, urdf_joint->axis.z;
+    const double length = joint.axis.norm();
+    if (!(length > 1e-6) || !joint.axis.allFinite()) {
+      throw ConfigError("joint '" + joint.name + "': its axis has no direction");
+    }
+    joint.axis /= length;
+    const Drive drive = driveOf(urdf_, urdf_joint);
+    joint.multiplier = drive.multiplier;
+    joint.offset = drive.offset;
+    const auto fixed = fixed_joints_.find(drive.joint->name);
+    if (fixed == fixed_joints_.end()) {
+      joint.variable = variableIndex(*drive.joint);
+    } else {
+      joint.T_parent_joint =
+          joint.T_parent_joint * motionAt(joint, joint.multiplier * fixed->second + joint.offset);
+      joint.motion = RobotJoint::Motion::kFixed;
+    }
+  }
+
+  static Pose motionAt(const RobotJoint& joint, double position) {
+    if (joint.motion == RobotJoint::Motion::kRotation) {
+      return Pose(Eigen::AngleAxisd(position, joint.axis));
+    }
+    return Pose(Eigen::Translation3d(position * joint.axis));
+  }
+
+  std::size_t variableIndex(const urdf::Joint& joint) {
+    std::vector<JointVariable>& variables = tree_.variables;
+    const auto found = std::find_if(variables.begin(), variables.end(),
+                                    [&](const auto& v) { return v.name == joint.name; });
+    if (found != variables.end()) return static_cast<std::size_t>(found - variables.begin());
+    variables.push_back(variableOf(joint));
+    return variables.size() - 1;
+  }
+
+  [[nodiscard]] std::size_t indexOf(const std::string& link) const {
+    const auto& links = tree_.links;
+    return static_cast<std::size_t>(std::find(links.begin(), links.end(), link) - links.begin());
+  }
+
+  const urdf::ModelInterface& urdf_;
+  const std::map<std::string, double>& fixed_joints_;
+  JointTree tree_;
+};
+
+}  // namespace
+
+bool isPlacedByJointStates(const urdf::Joint& joint) {
+  return joint.type != urdf::Joint::FLOATING && joint.type != urdf::Joint::PLANAR;
+}
+
+JointTree buildJointTree(const urdf::ModelInterface& urdf,
+                         const std::vector<std::string>& monitored,
+                         const std::map<std::string, double>& fixed_joints) {
+  return Builder(urdf, fixed_joints).build(monitored);
+}
+
+}  // namespace tccm

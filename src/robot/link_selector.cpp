@@ -1,0 +1,48 @@
+#include "tccm_monitor/robot/link_selector.h"
+
+#include <fnmatch.h>
+
+#include <algorithm>
+
+#include "tccm_monitor/config_error.h"
+
+namespace tccm {
+
+LinkSelector::LinkSelector(const Groups& groups, std::vector<std::string> links)
+    : links_(std::move(links)) {
+  for (const auto& [group, members] : groups) {
+    const std::string key = "link_groups/" + group;
+    if (std::find(links_.begin(), links_.end(), group) != links_.end()) {
+      throw ConfigError(key + ": a link of robot_description has that name");
+    }
+    if (members.empty()) throw ConfigError(key + ": it is empty");
+    requireMatches(members, key);
+  }
+  groups_ = groups;  // only now: a group has no groups in it
+}
+
+bool LinkSelector::matches(const std::vector<std::string>& wanted, const std::string& link) const {
+  return std::any_of(wanted.begin(), wanted.end(), [&](const std::string& entry) {
+    const auto group = groups_.find(entry);
+    if (group != groups_.end()) return matches(group->second, link);
+    return fnmatch(entry.c_str(), link.c_str(), 0) == 0;
+  });
+}
+
+void LinkSelector::requireMatches(const std::vector<std::string>& wanted,
+                                  const std::vector<std::string>& links,
+                                  const std::string& key) const {
+  for (const std::string& entry : wanted) {
+    if (!std::any_of(links.begin(), links.end(),
+                     [&](const std::string& link) { return matches({entry}, link); })) {
+      const bool known = &links != &links_ &&
+                         std::any_of(links_.begin(), links_.end(), [&](const std::string& link) {
+                           return matches({entry}, link);
+                         });
+      throw ConfigError(key + ": '" + entry + "' matches no " +
+                        (known ? "monitored link" : "link of robot_description"));
+    }
+  }
+}
+
+}  // namespace tccm

@@ -1,0 +1,162 @@
+/// How a robot model's links hang together: fixed values, floating and planar joints, and URDFs
+/// that are no tree.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/near.h"
+#include "support/tiny_robot.h"
+#include "tccm_monitor/config_error.h"
+#include "tccm_monitor/robot/kinematics.h"
+#include "tccm_monitor/robot/robot_model.h"
+
+namespace tccm {
+namespace {
+
+using test::axisOf;
+using test::ballLink;
+using test::jointOf;
+using test::limitOf;
+using test::linkOf;
+using test::robotOf;
+
+std::string refusal(const std::string& urdf, const RobotModel::Config& config = {}) {
+  try {
+    const RobotModel model(urdf, config);
+  } catch (const ConfigError& error) {
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+    return error.what();
+  }
+  return {};
+}
+
+bool names(const std::string& message, const std::string& what) {
+  return message.find(what) != std::string::npos;
+}
+
+using Links = std::vector<std::string>;
+
+/// world -(free)-> base -(lift, from -0.5 to 1)-> arm, which a finger mimics.
+std::string vehicle(const std::string& type) {
+  return robotOf(
+      linkOf("world") + ballLink("base") + ballLink("arm") + ballLink("finger") +
+      jointOf("free", type, "world", "base") +
+      jointOf("lift", "prismatic", "base", "arm", axisOf("0 0 1") + limitOf("-0.5", "1")) +
+      jointOf("grip", "prismatic", "arm", "finger",
+              axisOf("1 0 0") + limitOf("-9", "9") +
+                  "<mimic joint=\"lift\" multiplier=\"2\" offset=\"0.1\"/>"));
+}
+
+TEST(RobotTreeTest, ALinkUnderAFloatingOrPlanarJointIsARootThatTransformsPlace) {
+  for (const std::string type : {"floating", "planar"}) {
+    const RobotModel model(vehicle(type), {});
+    EXPECT_EQ(model.rootLinks(), Links{"base"}) << "nothing is watched above it";
+    EXPECT_EQ(model.links(), (Links{"base", "arm", "finger"}));
+    EXPECT_EQ(model.variables().size(), 1U);
+  }
+}
+
+TEST(RobotTreeTest, TwoRootsAreWatchedEachWhereItIs) {
+  const auto model = test::modelOf(
+      robotOf(ballLink("base") + ballLink("trailer") + ballLink("mast") +
+              jointOf("hitch", "planar", "base", "trailer") +
+              jointOf("weld", "fixed", "trailer", "mast", "<origin xyz=\"0 0 1\"/>")));
+  ASSERT_EQ(model->rootLinks(), (Links{"base", "trailer"}));
+  Pose trailer = Pose::Identity();
+  trailer.translation().x() = -2.0;
+  Kinematics kinematics(model);
+  kinematics.update({}, {Pose::Identity(), trailer});
+  EXPECT_TRUE(test::isNearly(Vector3(kinematics.linkPoses()[0].translation()), Vector3::Zero(), 0));
+  EXPECT_TRUE(test::isNearly(Vector3(kinematics.linkPoses()[2].translation()),
+                             Vector3(-2.0, 0.0, 1.0), 1e-12));
+}
+
+TEST(RobotTreeTest, AMimicOfAJointWithoutPositionIsRefused) {
+  const std::string urdf = robotOf(
+      ballLink("a") + ballLink("b") + ballLink("c") + jointOf("weld", "fixed", "a", "b") +
+      jointOf("follow", "continuous", "b", "c", axisOf("1 0 0") + "<mimic joint=\"weld\"/>"));
+  EXPECT_TRUE(names(refusal(urdf), "'follow'"));
+}
+
+TEST(RobotTreeTest, AFixedValueStandsInForAJointThatNobodyPublishes) {
+  RobotModel::Config config;
+  config.fixed_joints["lift"] = 0.25;
+  const auto model = test::modelOf(vehicle("floating"), config);
+  EXPECT_TRUE(model->variables().empty());
+  Kinematics kinematics(model);
+  kinematics.update({}, {Pose::Identity()});
+  EXPECT_TRUE(test::isNearly(Vector3(kinematics.linkPoses()[2].translation()),
+                             Vector3(0.6, 0.0, 0.25), 1e-12))
+      << "its mimic follows";
+}
+
+TEST(RobotTreeTest, AFixedValueForNoJointOrBeyondItsLimitsIsRefusedNamingIt) {
+  const auto refused = [](const std::string& joint, double position) {
+    RobotModel::Config config;
+    config.fixed_joints[joint] = position;
+    return refusal(vehicle("floating"), config);
+  };
+  EXPECT_EQ(refused("lift", 1.0), "");
+  EXPECT_TRUE(names(refused("lift", 1.1), "fixed_joints/lift"));
+  EXPECT_TRUE(names(refused("lift", std::nan("")), "fixed_joints/lift"));
+  EXPECT_TRUE(names(refused("elbow", 0.0), "fixed_joints/elbow"));
+  EXPECT_TRUE(names(refused("grip", 0.0), "fixed_joints/grip")) << "it mimics another";
+  EXPECT_TRUE(names(refused("free", 0.0), "fixed_joints/free"));
+}
+
+TEST(RobotTreeTest, ALinkWithTwoParentsIsRefusedNamingItAndBothJoints) {
+  const std::string message = refusal(
+      robotOf(ballLink("a") + ballLink("b") + ballLink("c") + jointOf("ab", "fixed", "a", "b") +
+              jointOf("ac", "fixed", "a", "c") + jointOf("bc", "fixed", "b", "c")));
+  EXPECT_TRUE(names(message, "'c'") && names(message, "'ac'") && names(message, "'bc'")) << message;
+}
+
+TEST(RobotTreeTest, ACircleOfLinksIsRefused) {
+  EXPECT_NE(refusal(robotOf(ballLink("a") + ballLink("b") + jointOf("ab", "fixed", "a", "b") +
+                            jointOf("ba", "fixed", "b", "a"))),
+            "");
+  const std::string beside =
+      refusal(robotOf(ballLink("base") + ballLink("a") + ballLink("b") +
+                      jointOf("ab", "fixed", "a", "b") + jointOf("ba", "fixed", "b", "a")));
+  EXPECT_TRUE(names(beside, "link 'a'") && names(beside, "circle")) << beside;
+  EXPECT_NE(refusal(robotOf(ballLink("a") + jointOf("aa", "fixed", "a", "a"))), "");
+}
+
+TEST(RobotTreeTest, WhatTheParserFindsWrongIsNamed) {
+  EXPECT_TRUE(names(
+      refusal(robotOf(ballLink("a") + ballLink("b") + jointOf("ab", "ball", "a", "b"))), "ab"));
+  EXPECT_TRUE(
+      names(refusal(robotOf(test::linkOf("a", test::collisionOf(test::sphereOf("wide"))))), "a"));
+  EXPECT_TRUE(names(refusal(robotOf(ballLink("a") + jointOf("ab", "fixed", "a", "lost"))), "lost"));
+  EXPECT_TRUE(names(refusal(robotOf(linkOf("base", test::collisionOf(test::sphereOf("nan"))))),
+                    "[base]"));
+  EXPECT_TRUE(names(refusal(robotOf(linkOf("base", test::collisionOf(test::sphereOf("-0.1"))))),
+                    "link 'base'"));
+}
+
+TEST(RobotTreeTest, AFaultOnOneLinkOfManyIsNotPassedOver) {
+  const std::string broken_visual = "<visual><geometry><sphere radius=\"nan\"/></geometry></visual>";
+  for (const std::string& parts :
+       {test::collisionOf(test::sphereOf("nan")), test::collisionOf("<mesh/>"),
+        test::collisionOf("<blob/>"), broken_visual + test::collisionOf(test::sphereOf("0.1"))}) {
+    const std::string message = refusal(
+        robotOf(ballLink("base") + linkOf("hand", parts) + jointOf("j", "fixed", "base", "hand")));
+    EXPECT_TRUE(names(message, "hand")) << parts << ": " << message;
+  }
+}
+
+TEST(RobotTreeTest, GarbageOfTenMegabytesIsRefusedAtOnce) {
+  std::string deep = "<robot name=\"deep\">";
+  for (int i = 0; i < 500000; ++i) deep += "<link name=\"a\">";
+  EXPECT_TRUE(names(refusal(deep), "nested"));
+  EXPECT_TRUE(names(refusal("<robot name=\"x\" " + std::string(10000000, 'a') + ">"), "tag"));
+  EXPECT_NE(refusal(std::string(10000000, '<')), "");
+  EXPECT_NE(refusal(std::string(10000000, '\0')), "");
+  EXPECT_TRUE(names(refusal(std::string(40000000, ' ')), "32 MB"));
+  EXPECT_EQ(refusal("<?xml version=\"1.0\"?><!-- <a><b> --><robot name=\"x\">" + ballLink("a") +
+                    "<!-- " + std::string(1000, '<') + " --></robot>"),
+            "");
+}
+
+}  // namespace
+}  // namespace tccm

@@ -1,0 +1,50 @@
+#include "program.h"
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "tccm_monitor/ros/resources.h"
+
+namespace tccm {
+
+std::string readText(const std::string& path, const std::string& what) {
+  std::ifstream file(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (!file) throw InputError("cannot read " + what + ": " + path);
+  if (text.empty()) throw InputError(what + " is empty: " + path);
+  return text;
+}
+
+void writeText(const std::string& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  file.close();
+  if (!file) throw InputError("cannot write " + path);
+}
+
+Progress progressBar() {
+  if (isatty(STDERR_FILENO) == 0) return {};
+  return [shown = -1](double fraction) mutable {
+    const int percent = static_cast<int>(100.0 * fraction);
+    if (percent == shown) return;
+    shown = percent;
+    const std::string bar(static_cast<std::size_t>(percent / 2), '#');
+    std::fprintf(stderr, "\r[%-50s] %3d %%%s", bar.c_str(), percent, percent == 100 ? "\n" : "");
+  };
+}
+
+RobotResources resourcesIn(const std::string& package_path) {
+  if (!package_path.empty() && !std::filesystem::is_directory(package_path)) {
+    throw InputError("--package-path: no such folder: " + package_path);
+  }
+  RobotResources resources;
+  resources.read = resourceReader(package_path);
+  resources.fit_cache_folder = fitCacheFolder();
+  return resources;
+}
+
+}  // namespace tccm

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "tccm_monitor/robot/robot_model.h"
+
+namespace tccm {
+
+/// Exit statuses of all programs.
+constexpr int kDone = 0;
+constexpr int kLimitMissed = 1;
+constexpr int kBadInput = 2;
+
+/// Input that a program cannot work with. what() says it in one line.
+class InputError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// @throws InputError where the file cannot be read or is empty. @param what names it in messages.
+[[nodiscard]] std::string readText(const std::string& path, const std::string& what);
+/// @throws InputError where not all of it could be written.
+void writeText(const std::string& path, const std::string& text);
+
+/// @param fraction_done from 0 to 1.
+using Progress = std::function<void(double fraction_done)>;
+/// A bar on standard error; empty where that is no terminal.
+[[nodiscard]] Progress progressBar();
+
+/// Resources as the nodelets find them, and in a folder of packages.
+/// @param package_path may be empty. @throws InputError where there is no such folder.
+[[nodiscard]] RobotResources resourcesIn(const std::string& package_path);
+
+}  // namespace tccm
