@@ -10,6 +10,8 @@ namespace {
 
 using Row = std::vector<std::string>;
 
+constexpr std::size_t kLineWidth = 100;
+
 template <typename... Values>
 std::string text(const char* format, Values... values) {
   char buffer[160];
@@ -121,9 +123,16 @@ void printTable(const RobotModel& model, std::ostream& out) {
   out << '\n';
   const auto& without = model.linksWithoutShape();
   if (without.empty()) return;
-  out << without.size() << " links have no shape and are not watched:";
-  for (const std::string& link : without) out << ' ' << link;
-  out << '\n';
+  out << without.size() << " links have no shape and are not watched:\n";
+  std::string line;
+  for (const std::string& link : without) {
+    if (line.size() + link.size() > kLineWidth) {
+      out << line << '\n';
+      line.clear();
+    }
+    line += "  " + link;
+  }
+  out << line << '\n';
 }
 
 }  // namespace tccm

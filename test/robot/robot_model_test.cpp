@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "support/near.h"
+#include "support/refusal.h"
 #include "support/shared_data.h"
 #include "support/tiny_robot.h"
 #include "tccm_monitor/config_error.h"
@@ -19,22 +20,13 @@ using test::collisionOf;
 using test::jointOf;
 using test::limitOf;
 using test::linkOf;
+using test::refusalOf;
 using test::robotOf;
 using test::sphereOf;
 
-/// What the configuration is refused with; empty where it is taken.
-std::string refusal(const std::string& urdf, const RobotModel::Config& config = {}) {
-  try {
-    const RobotModel model(urdf, config);
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return {};
-}
-
 ::testing::AssertionResult refusedNaming(const std::string& what, const std::string& urdf,
                                          const RobotModel::Config& config = {}) {
-  const std::string message = refusal(urdf, config);
+  const std::string message = refusalOf(urdf, config);
   if (message.empty()) return ::testing::AssertionFailure() << "it was taken";
   if (message.find('\n') != std::string::npos) {
     return ::testing::AssertionFailure() << "more than one line: " << message;
@@ -85,7 +77,7 @@ TEST(RobotModelTest, AMeshThatCannotBeReadIsRefusedNamingTheLink) {
       robotOf(linkOf("base", mesh) + ballLink("hand") + jointOf("wrist", "fixed", "base", "hand"));
   EXPECT_TRUE(refusedNaming("'base'", urdf));
   EXPECT_TRUE(refusedNaming("'base'", urdf, monitoring({"b*"})));
-  EXPECT_EQ(refusal(urdf, monitoring({"hand"})), "");
+  EXPECT_EQ(refusalOf(urdf, monitoring({"hand"})), "");
 }
 
 TEST(RobotModelTest, AMeshThatCannotBeReadBesideAPrimitiveIsRefusedToo) {
@@ -111,7 +103,7 @@ TEST(RobotModelTest, APatternThatMatchesNoLinkIsRefusedNamingKeyAndPattern) {
 }
 
 TEST(RobotModelTest, AMimicOfAJointThatIsNotThereIsRefused) {
-  EXPECT_NE(refusal(twoLinks("continuous", "<mimic joint=\"nothing\"/>")), "");
+  EXPECT_NE(refusalOf(twoLinks("continuous", "<mimic joint=\"nothing\"/>")), "");
 }
 
 TEST(RobotModelTest, MimicsInACircleAreRefusedNamingOneOfThem) {
@@ -120,7 +112,7 @@ TEST(RobotModelTest, MimicsInACircleAreRefusedNamingOneOfThem) {
               jointOf("first", "continuous", "base", "middle", "<mimic joint=\"second\"/>") +
               jointOf("second", "continuous", "middle", "hand", "<mimic joint=\"first\"/>"));
   EXPECT_TRUE(refusedNaming("'first'", urdf));
-  EXPECT_NE(refusal(twoLinks("continuous", "<mimic joint=\"wrist\"/>")), "");
+  EXPECT_NE(refusalOf(twoLinks("continuous", "<mimic joint=\"wrist\"/>")), "");
 }
 
 TEST(RobotModelTest, AnAxisWithoutDirectionIsRefusedNamingTheJoint) {
@@ -129,17 +121,17 @@ TEST(RobotModelTest, AnAxisWithoutDirectionIsRefusedNamingTheJoint) {
 
 TEST(RobotModelTest, SizesThatAreNoSizesAreRefused) {
   for (const std::string size : {"nan", "inf", "0", "-0.1", "1e9"}) {
-    EXPECT_NE(refusal(oneLink(sphereOf(size))), "") << size;
-    EXPECT_NE(refusal(oneLink("<box size=\"0.1 0.1 " + size + "\"/>")), "") << size;
-    EXPECT_NE(refusal(oneLink("<cylinder radius=\"0.1\" length=\"" + size + "\"/>")), "") << size;
-    EXPECT_NE(refusal(oneLink("<cylinder radius=\"" + size + "\" length=\"0.1\"/>")), "") << size;
+    EXPECT_NE(refusalOf(oneLink(sphereOf(size))), "") << size;
+    EXPECT_NE(refusalOf(oneLink("<box size=\"0.1 0.1 " + size + "\"/>")), "") << size;
+    EXPECT_NE(refusalOf(oneLink("<cylinder radius=\"0.1\" length=\"" + size + "\"/>")), "") << size;
+    EXPECT_NE(refusalOf(oneLink("<cylinder radius=\"" + size + "\" length=\"0.1\"/>")), "") << size;
   }
   EXPECT_TRUE(refusedNaming("'base'", oneLink(sphereOf("-0.1"))));
 }
 
 TEST(RobotModelTest, AnOriginThatIsNotFiniteIsRefused) {
-  EXPECT_NE(refusal(robotOf(linkOf("base", collisionOf(sphereOf("0.1"), "0 nan 0")))), "");
-  EXPECT_NE(refusal(twoLinks("fixed", "<origin xyz=\"0 0 inf\"/>")), "");
+  EXPECT_NE(refusalOf(robotOf(linkOf("base", collisionOf(sphereOf("0.1"), "0 nan 0")))), "");
+  EXPECT_NE(refusalOf(twoLinks("fixed", "<origin xyz=\"0 0 inf\"/>")), "");
 }
 
 TEST(RobotModelTest, ALowerLimitAboveTheUpperIsRefusedNamingTheJoint) {
@@ -149,7 +141,7 @@ TEST(RobotModelTest, ALowerLimitAboveTheUpperIsRefusedNamingTheJoint) {
 TEST(RobotModelTest, AFloatingJointThatMovesNoMonitoredLinkIsNoMatter) {
   const std::string urdf = robotOf(ballLink("base") + ballLink("balloon") +
                                    jointOf("string", "floating", "base", "balloon"));
-  EXPECT_EQ(refusal(urdf, monitoring({"base"})), "");
+  EXPECT_EQ(refusalOf(urdf, monitoring({"base"})), "");
 }
 
 std::string chain() {
@@ -279,7 +271,7 @@ TEST(RobotModelTest, Pr2Has17LinksWithPrimitives) {
   if (!file) GTEST_SKIP() << "robots/pr2_moveit/pr2.urdf is not in the shared data";
   std::stringstream urdf;
   urdf << file.rdbuf();
-  EXPECT_NE(refusal(urdf.str()), "") << "most of PR2's links have meshes";
+  EXPECT_NE(refusalOf(urdf.str()), "") << "most of PR2's links have meshes";
   const RobotModel model(
       urdf.str(), monitoring({"base_footprint", "base_bellow_link", "??_caster_?_wheel_link",
                               "head_plate_frame", "head_mount_link", "head_mount_kinect_ir_link",

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "support/near.h"
+#include "support/refusal.h"
 #include "support/tiny_robot.h"
 #include "tccm_monitor/config_error.h"
 #include "tccm_monitor/robot/robot_model.h"
@@ -15,6 +16,8 @@ using test::ballLink;
 using test::collisionOf;
 using test::jointOf;
 using test::linkOf;
+using test::names;
+using test::refusalOf;
 using test::robotOf;
 using test::sphereOf;
 
@@ -38,21 +41,6 @@ RobotResources files(const std::map<std::string, std::string>& contents) {
     return found->second;
   };
   return resources;
-}
-
-std::string refusal(const std::string& urdf, const RobotModel::Config& config = {},
-                    const RobotResources& resources = {}) {
-  try {
-    const RobotModel model(urdf, config, resources);
-  } catch (const ConfigError& error) {
-    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
-    return error.what();
-  }
-  return {};
-}
-
-bool names(const std::string& message, const std::string& what) {
-  return message.find(what) != std::string::npos;
 }
 
 std::vector<std::string> shapeLinks(const RobotModel& model) {
@@ -88,11 +76,11 @@ TEST(RobotShapesTest, AGroupIsMonitoredAndIgnoredLinksAreNot) {
   EXPECT_EQ(shapeLinks(model), Links{"arm"});
   EXPECT_EQ(model.variables().size(), 1U) << "nobody has to publish the wrist";
   config.monitored_links = {"*"};
-  EXPECT_TRUE(names(refusal(someRobot(), config), "link 'base'"));
+  EXPECT_TRUE(names(refusalOf(someRobot(), config), "link 'base'"));
   config.ignored_links = {"hand", "base", "eye"};
   EXPECT_EQ(shapeLinks(RobotModel(someRobot(), config)), Links{"arm"});
   config.ignored_links = {"*"};
-  EXPECT_TRUE(names(refusal(someRobot(), config), "no link to monitor"));
+  EXPECT_TRUE(names(refusalOf(someRobot(), config), "no link to monitor"));
 }
 
 TEST(RobotShapesTest, VisualGeometryIsTakenWhereItIsAskedForAndThere) {
@@ -132,12 +120,12 @@ TEST(RobotShapesTest, AMeshThatResolvesToNothingOrHasNoScaleIsRefusedNamingLinkA
   const auto robot = [](const std::string& scale) {
     return robotOf(linkOf("base", collisionOf(meshOf("package://p/part.obj", scale))));
   };
-  const std::string nothing = refusal(robot("1 1 1"), {}, files({}));
+  const std::string nothing = refusalOf(robot("1 1 1"), {}, files({}));
   EXPECT_TRUE(names(nothing, "link 'base'") && names(nothing, "package://p/part.obj")) << nothing;
   const auto there = files({{"package://p/part.obj", kTetrahedron}});
-  EXPECT_EQ(refusal(robot("1 1 1"), {}, there), "");
-  EXPECT_TRUE(names(refusal(robot("1 0 1"), {}, there), "link 'base'"));
-  EXPECT_TRUE(names(refusal(robot("1 1 1"), {}, files({{"package://p/part.obj", "garbage"}})),
+  EXPECT_EQ(refusalOf(robot("1 1 1"), {}, there), "");
+  EXPECT_TRUE(names(refusalOf(robot("1 0 1"), {}, there), "link 'base'"));
+  EXPECT_TRUE(names(refusalOf(robot("1 1 1"), {}, files({{"package://p/part.obj", "garbage"}})),
                     "package://p/part.obj"));
 }
 
@@ -157,12 +145,12 @@ TEST(RobotShapesTest, AFileOfPrimitivesStandsInForTheShapesOfTheLinksInIt) {
   EXPECT_EQ(model.elements()[0].source, "file");
 
   const auto refused = [&](const std::string& file) {
-    return refusal(someRobot(), config, files({{"robot.yaml", file}}));
+    return refusalOf(someRobot(), config, files({{"robot.yaml", file}}));
   };
   EXPECT_TRUE(names(refused("links: {foot: [{shape: sphere, radius: 1}]}"), "'foot'"));
   EXPECT_TRUE(names(refused("links: {hand: [{shape: sphere, radius: -1}]}"), "robot.yaml"));
-  EXPECT_TRUE(names(refusal(someRobot(), config, files({})), "robot.yaml"));
-  EXPECT_TRUE(names(refusal(someRobot(), config), "primitives_file"));
+  EXPECT_TRUE(names(refusalOf(someRobot(), config, files({})), "robot.yaml"));
+  EXPECT_TRUE(names(refusalOf(someRobot(), config), "primitives_file"));
 }
 
 TEST(RobotShapesTest, AMeshIsNotReadWhereAFileStandsInForIt) {
@@ -170,7 +158,7 @@ TEST(RobotShapesTest, AMeshIsNotReadWhereAFileStandsInForIt) {
   config.primitives_file = "robot.yaml";
   const std::string urdf = robotOf(linkOf("base", collisionOf(meshOf("package://p/lost.stl"))));
   const std::string text = "links: {base: [{shape: sphere, radius: 0.1}]}";
-  EXPECT_EQ(refusal(urdf, config, files({{"robot.yaml", text}})), "");
+  EXPECT_EQ(refusalOf(urdf, config, files({{"robot.yaml", text}})), "");
 }
 
 TEST(RobotShapesTest, WhatTheRobotHoldsMovesWithItsLinkAndIsTakenByEveryUse) {

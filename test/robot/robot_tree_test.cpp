@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "support/near.h"
+#include "support/refusal.h"
 #include "support/tiny_robot.h"
 #include "tccm_monitor/config_error.h"
 #include "tccm_monitor/robot/kinematics.h"
@@ -18,21 +19,9 @@ using test::ballLink;
 using test::jointOf;
 using test::limitOf;
 using test::linkOf;
+using test::names;
+using test::refusalOf;
 using test::robotOf;
-
-std::string refusal(const std::string& urdf, const RobotModel::Config& config = {}) {
-  try {
-    const RobotModel model(urdf, config);
-  } catch (const ConfigError& error) {
-    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
-    return error.what();
-  }
-  return {};
-}
-
-bool names(const std::string& message, const std::string& what) {
-  return message.find(what) != std::string::npos;
-}
 
 using Links = std::vector<std::string>;
 
@@ -75,7 +64,7 @@ TEST(RobotTreeTest, AMimicOfAJointWithoutPositionIsRefused) {
   const std::string urdf = robotOf(
       ballLink("a") + ballLink("b") + ballLink("c") + jointOf("weld", "fixed", "a", "b") +
       jointOf("follow", "continuous", "b", "c", axisOf("1 0 0") + "<mimic joint=\"weld\"/>"));
-  EXPECT_TRUE(names(refusal(urdf), "'follow'"));
+  EXPECT_TRUE(names(refusalOf(urdf), "'follow'"));
 }
 
 TEST(RobotTreeTest, AFixedValueStandsInForAJointThatNobodyPublishes) {
@@ -94,7 +83,7 @@ TEST(RobotTreeTest, AFixedValueForNoJointOrBeyondItsLimitsIsRefusedNamingIt) {
   const auto refused = [](const std::string& joint, double position) {
     RobotModel::Config config;
     config.fixed_joints[joint] = position;
-    return refusal(vehicle("floating"), config);
+    return refusalOf(vehicle("floating"), config);
   };
   EXPECT_EQ(refused("lift", 1.0), "");
   EXPECT_TRUE(names(refused("lift", 1.1), "fixed_joints/lift"));
@@ -105,41 +94,43 @@ TEST(RobotTreeTest, AFixedValueForNoJointOrBeyondItsLimitsIsRefusedNamingIt) {
 }
 
 TEST(RobotTreeTest, ALinkWithTwoParentsIsRefusedNamingItAndBothJoints) {
-  const std::string message = refusal(
+  const std::string message = refusalOf(
       robotOf(ballLink("a") + ballLink("b") + ballLink("c") + jointOf("ab", "fixed", "a", "b") +
               jointOf("ac", "fixed", "a", "c") + jointOf("bc", "fixed", "b", "c")));
   EXPECT_TRUE(names(message, "'c'") && names(message, "'ac'") && names(message, "'bc'")) << message;
 }
 
 TEST(RobotTreeTest, ACircleOfLinksIsRefused) {
-  EXPECT_NE(refusal(robotOf(ballLink("a") + ballLink("b") + jointOf("ab", "fixed", "a", "b") +
-                            jointOf("ba", "fixed", "b", "a"))),
+  EXPECT_NE(refusalOf(robotOf(ballLink("a") + ballLink("b") + jointOf("ab", "fixed", "a", "b") +
+                              jointOf("ba", "fixed", "b", "a"))),
             "");
   const std::string beside =
-      refusal(robotOf(ballLink("base") + ballLink("a") + ballLink("b") +
-                      jointOf("ab", "fixed", "a", "b") + jointOf("ba", "fixed", "b", "a")));
+      refusalOf(robotOf(ballLink("base") + ballLink("a") + ballLink("b") +
+                        jointOf("ab", "fixed", "a", "b") + jointOf("ba", "fixed", "b", "a")));
   EXPECT_TRUE(names(beside, "link 'a'") && names(beside, "circle")) << beside;
-  EXPECT_NE(refusal(robotOf(ballLink("a") + jointOf("aa", "fixed", "a", "a"))), "");
+  EXPECT_NE(refusalOf(robotOf(ballLink("a") + jointOf("aa", "fixed", "a", "a"))), "");
 }
 
 TEST(RobotTreeTest, WhatTheParserFindsWrongIsNamed) {
   EXPECT_TRUE(names(
-      refusal(robotOf(ballLink("a") + ballLink("b") + jointOf("ab", "ball", "a", "b"))), "ab"));
+      refusalOf(robotOf(ballLink("a") + ballLink("b") + jointOf("ab", "ball", "a", "b"))), "ab"));
   EXPECT_TRUE(
-      names(refusal(robotOf(test::linkOf("a", test::collisionOf(test::sphereOf("wide"))))), "a"));
-  EXPECT_TRUE(names(refusal(robotOf(ballLink("a") + jointOf("ab", "fixed", "a", "lost"))), "lost"));
-  EXPECT_TRUE(names(refusal(robotOf(linkOf("base", test::collisionOf(test::sphereOf("nan"))))),
+      names(refusalOf(robotOf(test::linkOf("a", test::collisionOf(test::sphereOf("wide"))))), "a"));
+  EXPECT_TRUE(
+      names(refusalOf(robotOf(ballLink("a") + jointOf("ab", "fixed", "a", "lost"))), "lost"));
+  EXPECT_TRUE(names(refusalOf(robotOf(linkOf("base", test::collisionOf(test::sphereOf("nan"))))),
                     "[base]"));
-  EXPECT_TRUE(names(refusal(robotOf(linkOf("base", test::collisionOf(test::sphereOf("-0.1"))))),
+  EXPECT_TRUE(names(refusalOf(robotOf(linkOf("base", test::collisionOf(test::sphereOf("-0.1"))))),
                     "link 'base'"));
 }
 
 TEST(RobotTreeTest, AFaultOnOneLinkOfManyIsNotPassedOver) {
-  const std::string broken_visual = "<visual><geometry><sphere radius=\"nan\"/></geometry></visual>";
+  const std::string broken_visual =
+      "<visual><geometry><sphere radius=\"nan\"/></geometry></visual>";
   for (const std::string& parts :
        {test::collisionOf(test::sphereOf("nan")), test::collisionOf("<mesh/>"),
         test::collisionOf("<blob/>"), broken_visual + test::collisionOf(test::sphereOf("0.1"))}) {
-    const std::string message = refusal(
+    const std::string message = refusalOf(
         robotOf(ballLink("base") + linkOf("hand", parts) + jointOf("j", "fixed", "base", "hand")));
     EXPECT_TRUE(names(message, "hand")) << parts << ": " << message;
   }
@@ -148,13 +139,13 @@ TEST(RobotTreeTest, AFaultOnOneLinkOfManyIsNotPassedOver) {
 TEST(RobotTreeTest, GarbageOfTenMegabytesIsRefusedAtOnce) {
   std::string deep = "<robot name=\"deep\">";
   for (int i = 0; i < 500000; ++i) deep += "<link name=\"a\">";
-  EXPECT_TRUE(names(refusal(deep), "nested"));
-  EXPECT_TRUE(names(refusal("<robot name=\"x\" " + std::string(10000000, 'a') + ">"), "tag"));
-  EXPECT_NE(refusal(std::string(10000000, '<')), "");
-  EXPECT_NE(refusal(std::string(10000000, '\0')), "");
-  EXPECT_TRUE(names(refusal(std::string(40000000, ' ')), "32 MB"));
-  EXPECT_EQ(refusal("<?xml version=\"1.0\"?><!-- <a><b> --><robot name=\"x\">" + ballLink("a") +
-                    "<!-- " + std::string(1000, '<') + " --></robot>"),
+  EXPECT_TRUE(names(refusalOf(deep), "nested"));
+  EXPECT_TRUE(names(refusalOf("<robot name=\"x\" " + std::string(10000000, 'a') + ">"), "tag"));
+  EXPECT_NE(refusalOf(std::string(10000000, '<')), "");
+  EXPECT_NE(refusalOf(std::string(10000000, '\0')), "");
+  EXPECT_TRUE(names(refusalOf(std::string(40000000, ' ')), "32 MB"));
+  EXPECT_EQ(refusalOf("<?xml version=\"1.0\"?><!-- <a><b> --><robot name=\"x\">" + ballLink("a") +
+                      "<!-- " + std::string(1000, '<') + " --></robot>"),
             "");
 }
 
