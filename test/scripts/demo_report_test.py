@@ -3,6 +3,7 @@
 import io
 import pathlib
 import sys
+import tempfile
 import types
 import unittest
 
@@ -96,6 +97,23 @@ class StoryTest(unittest.TestCase):
         story.add_status(status(), 0.0)
         for expected in ("STOP", "COLLISION_AHEAD (hand)", "42", "30.5 ms"):
             self.assertIn(expected, story.line())
+
+
+class RefusalTest(unittest.TestCase):
+    def refusal(self, text):
+        with tempfile.TemporaryDirectory() as folder:
+            log = pathlib.Path(folder) / "roslaunch.log"
+            log.write_text(text, encoding="utf-8")
+            return demo_report.refusal_in(log)
+
+    def test_a_nodelet_that_refuses_to_start_is_found_in_the_log(self):
+        line = "/collision_checker refuses to start: link 'hand': hand.stl: no such file"
+        self.assertEqual(self.refusal(f"[ INFO] [1.0]: hello\n\x1b[31m[FATAL] [1.5]: {line}\x1b[0m\n"),
+                         line[1:])
+
+    def test_a_log_without_one_or_no_log_is_none(self):
+        self.assertIsNone(self.refusal("[ INFO] [1.0]: hello\n"))
+        self.assertIsNone(demo_report.refusal_in(pathlib.Path("/no/such/log")))
 
 
 class MarkersTest(unittest.TestCase):
