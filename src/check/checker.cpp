@@ -173,6 +173,9 @@ bool Checker::within(Time now, double seconds) const {
 }
 
 Checker::Cause Checker::jointsCause(Time now, const JointSnapshot* joints) const {
+  if (!joints_.contradiction().empty()) {
+    return {Reason::kNoJoints, joints_.contradiction(), {}};
+  }
   if (!joints) {
     if (within(now, config_.joint_timeout_s))
       return {Reason::kInit, "waiting for joint states", {}};

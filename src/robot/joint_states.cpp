@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "tccm_monitor/config_error.h"
@@ -9,6 +10,7 @@
 namespace tccm {
 namespace {
 
+constexpr double kFixedTolerance = 0.01;  // [rad, m]
 constexpr double kLargest = 1e6;  // [rad, m, 1/s]; beyond it is no joint's position or velocity
 
 }  // namespace
@@ -20,7 +22,7 @@ void JointStates::Config::validate() const {
 }
 
 JointStates::JointStates(const RobotModel& model, const Config& config)
-    : config_((config.validate(), config)) {
+    : config_((config.validate(), config)), fixed_(model.fixedJoints()) {
   for (const JointVariable& variable : model.variables()) {
     index_[variable.name] = names_.size();
     names_.push_back(variable.name);
@@ -34,6 +36,23 @@ JointStates::JointStates(const RobotModel& model, const Config& config)
 void JointStates::reset() {
   for (Track& track : tracks_) track.count = track.next = 0;
   last_message_.reset();
+  contradicting_joint_.clear();
+  contradiction_.clear();
+}
+
+void JointStates::compareWithFixed(const std::string& name, double position) {
+  const auto fixed = fixed_.find(name);
+  if (fixed == fixed_.end()) return;
+  if (!(std::abs(position - fixed->second) <= kFixedTolerance)) {
+    char text[200];
+    std::snprintf(text, sizeof text, "joint '%.100s' is published at %.3f, fixed_joints says %.3f",
+                  name.c_str(), position, fixed->second);
+    contradicting_joint_ = name;
+    contradiction_ = text;
+  } else if (contradicting_joint_ == name) {
+    contradicting_joint_.clear();
+    contradiction_.clear();
+  }
 }
 
 void JointStates::Track::add(const Sample& sample) {
@@ -47,6 +66,7 @@ JointStates::Added JointStates::add(Time stamp, const std::vector<std::string>& 
                                     const std::vector<double>& velocities) {
   Added added;
   for (std::size_t i = 0; i < names.size(); ++i) {
+    if (!fixed_.empty() && i < positions.size()) compareWithFixed(names[i], positions[i]);
     const auto found = index_.find(names[i]);
     if (found == index_.end()) continue;
     Track& track = tracks_[found->second];
@@ -123,6 +143,7 @@ bool JointStates::interpolate(const Track& track, Time stamp, double& position) 
 }
 
 bool JointStates::at(Time stamp, std::vector<double>& positions) const {
+  if (!contradiction_.empty()) return false;
   positions.resize(tracks_.size());
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     if (!interpolate(tracks_[i], stamp, positions[i])) return false;

@@ -249,5 +249,23 @@ TEST(JointStatesConfigTest, ValuesOutOfRangeAreRefused) {
   EXPECT_THROW(JointStates(*model, config), ConfigError);
 }
 
+TEST(FixedJointTest, AFixedJointThatIsPublishedElsewhereLeavesThePoseUnknown) {
+  RobotModel::Config config;
+  config.fixed_joints["glide"] = 0.5;
+  JointStates states(*test::modelOf(test::sliderUrdf(), config), {});
+  std::vector<double> positions;
+  const auto hear = [&](double seconds, double glide) {
+    states.add(Time(fromSeconds(seconds)), {"slide", "glide"}, {0.1, glide}, {});
+    return states.at(Time(fromSeconds(seconds)), positions);
+  };
+  EXPECT_TRUE(hear(1.0, 0.509));
+  EXPECT_EQ(states.contradiction(), "");
+  EXPECT_FALSE(hear(1.01, 0.6));
+  EXPECT_EQ(states.contradiction(), "joint 'glide' is published at 0.600, fixed_joints says 0.500");
+  EXPECT_FALSE(hear(1.02, std::numeric_limits<double>::quiet_NaN()));
+  EXPECT_TRUE(hear(1.03, 0.5));
+  EXPECT_EQ(states.contradiction(), "");
+}
+
 }  // namespace
 }  // namespace tccm

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <string>
 #include <unordered_map>
@@ -52,13 +53,17 @@ class JointStates {
 
   /// The first joint never heard of, if there is one.
   [[nodiscard]] std::optional<std::string> missingJoint() const;
+  /// In one line, which joint is published elsewhere than the configuration fixes it, by more than
+  /// 0.01 rad or m; empty where none is. While there is one, nothing is known of the pose.
+  [[nodiscard]] const std::string& contradiction() const { return contradiction_; }
   /// All joints never heard of.
   [[nodiscard]] std::vector<std::string> missingJoints() const;
   /// Nothing while a joint is missing. A robot without joints has the stamp of the last message.
   /// The result is valid until the next call.
   [[nodiscard]] const JointSnapshot* latest();
   /// The positions at an instant, interpolated into `positions`.
-  /// @return false where a joint has no samples around it, or only such that are too far apart.
+  /// @return false where a joint has no samples around it, or only such that are too far apart, or
+  /// a fixed joint is elsewhere.
   [[nodiscard]] bool at(Time stamp, std::vector<double>& positions) const;
   /// The instant up to which at() can answer; nothing while a joint is missing.
   [[nodiscard]] std::optional<Time> answersUntil() const;
@@ -81,10 +86,14 @@ class JointStates {
     }
   };
   [[nodiscard]] double velocityOf(const Track& track) const;
+  void compareWithFixed(const std::string& name, double position);
   [[nodiscard]] bool interpolate(const Track& track, Time stamp, double& position) const;
 
   Config config_;
   std::unordered_map<std::string, std::size_t> index_;
+  std::map<std::string, double> fixed_;
+  std::string contradicting_joint_;
+  std::string contradiction_;
   std::vector<std::string> names_;
   std::vector<Track> tracks_;
   std::optional<Time> last_message_;
