@@ -1,7 +1,7 @@
 #include "joint_tree.h"
 
-#include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "tccm_monitor/config_error.h"
@@ -10,7 +10,8 @@
 namespace tccm {
 namespace {
 
-constexpr double kMultiplierMax = 1e6;  // of a mimic joint; beyond it is a slip
+constexpr double kMultiplierMax = 1e6;   // of a mimic joint; beyond it is a slip
+constexpr std::size_t kMimicsMax = 100;  // one after the other
 
 RobotJoint::Motion motionOf(const urdf::Joint& joint) {
   switch (joint.type) {
@@ -52,9 +53,9 @@ Drive driveOf(const urdf::ModelInterface& urdf, const urdf::JointConstSharedPtr&
   for (std::size_t hops = 0; drive.joint->mimic; ++hops) {
     const urdf::JointMimic& mimic = *drive.joint->mimic;
     const auto source = urdf.getJoint(mimic.joint_name);
-    if (!source || hops > urdf.joints_.size()) {
+    if (!source || hops == kMimicsMax) {
       throw ConfigError("joint '" + joint->name + "': it mimics '" + mimic.joint_name +
-                        "', which leads to no joint that moves by itself");
+                        "', which leads to no joint that moves by itself within 100 mimics");
     }
     drive.offset += drive.multiplier * mimic.offset;
     drive.multiplier *= mimic.multiplier;
@@ -72,12 +73,9 @@ Drive driveOf(const urdf::ModelInterface& urdf, const urdf::JointConstSharedPtr&
   return drive;
 }
 
-/// The link that transforms have to place so that this one can be.
-const urdf::Link* rootOf(const urdf::Link* link) {
-  while (link->parent_joint && isPlacedByJointStates(*link->parent_joint)) {
-    link = link->getParent().get();
-  }
-  return link;
+/// Whether transforms have to place the link.
+bool isRoot(const urdf::Link& link) {
+  return !link.parent_joint || !isPlacedByJointStates(*link.parent_joint);
 }
 
 class Builder {
@@ -91,9 +89,8 @@ class Builder {
     std::set<std::string> kept;
     for (const std::string& name : monitored) {
       const urdf::Link* link = urdf_.getLink(name).get();
-      const urdf::Link* root = rootOf(link);
-      for (; link != root; link = link->getParent().get()) kept.insert(link->name);
-      kept.insert(root->name);
+      // Above a link that is kept already all are.
+      while (kept.insert(link->name).second && !isRoot(*link)) link = link->getParent().get();
     }
     for (const auto& link : linksInOrder(urdf_)) {
       if (kept.count(link->name) > 0) addLink(*link);
@@ -117,7 +114,8 @@ class Builder {
   void addLink(const urdf::Link& link) {
     const std::size_t index = tree_.links.size();
     tree_.links.push_back(link.name);
-    if (rootOf(&link) == &link) {
+    link_indices_.emplace(link.name, index);
+    if (isRoot(link)) {
       tree_.roots.push_back(index);
     } else {
       addJoint(link.parent_joint, index);
@@ -129,7 +127,7 @@ class Builder {
     joint.name = urdf_joint->name;
     joint.motion = motionOf(*urdf_joint);
     joint.child = child;
-    joint.parent = indexOf(urdf_joint->parent_link_name);
+    joint.parent = link_indices_.at(urdf_joint->parent_link_name);
     joint.T_parent_joint =
         toPose(urdf_joint->parent_to_joint_origin_transform, "joint '" + urdf_joint->name + "'");
     if (joint.motion != RobotJoint::Motion::kFixed) addMotion(urdf_joint, joint);
@@ -139,7 +137,7 @@ class Builder {
   void addMotion(const urdf::JointConstSharedPtr& urdf_joint, RobotJoint& joint) {
     joint.axis << urdf_joint->axis.x, urdf_joint->axis.y, urdf_joint->axis.z;
     const double length = joint.axis.norm();
-    if (!(length > 1e-6) || !joint.axis.allFinite()) {
+    if (!(length > 1e-6 && std::isfinite(length))) {
       throw ConfigError("joint '" + joint.name + "': its axis has no direction");
     }
     joint.axis /= length;
@@ -164,22 +162,16 @@ class Builder {
   }
 
   std::size_t variableIndex(const urdf::Joint& joint) {
-    std::vector<JointVariable>& variables = tree_.variables;
-    const auto found = std::find_if(variables.begin(), variables.end(),
-                                    [&](const auto& v) { return v.name == joint.name; });
-    if (found != variables.end()) return static_cast<std::size_t>(found - variables.begin());
-    variables.push_back(variableOf(joint));
-    return variables.size() - 1;
-  }
-
-  [[nodiscard]] std::size_t indexOf(const std::string& link) const {
-    const auto& links = tree_.links;
-    return static_cast<std::size_t>(std::find(links.begin(), links.end(), link) - links.begin());
+    const auto [entry, is_new] = variable_indices_.emplace(joint.name, tree_.variables.size());
+    if (is_new) tree_.variables.push_back(variableOf(joint));
+    return entry->second;
   }
 
   const urdf::ModelInterface& urdf_;
   const std::map<std::string, double>& fixed_joints_;
   JointTree tree_;
+  std::map<std::string, std::size_t> link_indices_;
+  std::map<std::string, std::size_t> variable_indices_;
 };
 
 }  // namespace

@@ -141,7 +141,7 @@ void LinkGeometryReader::fitMesh(const urdf::Mesh& mesh, const std::string& owne
   element.scaling.scale << mesh.scale.x, mesh.scale.y, mesh.scale.z;
   element.scaling.apply_up_axis = config_.apply_mesh_up_axis;
   try {
-    const std::string content = contentOf(mesh.filename, owner);
+    const std::string content = contentOf(mesh.filename);
     const PrimitiveFit fit =
         cache_.fit(content, fitKey(mesh.filename, element.scaling, config_.fit), [&] {
           return fitPrimitives(readMesh(content, mesh.filename, element.scaling), config_.fit,
@@ -158,9 +158,9 @@ void LinkGeometryReader::fitMesh(const urdf::Mesh& mesh, const std::string& owne
   }
 }
 
-std::string LinkGeometryReader::contentOf(const std::string& uri, const std::string& owner) const {
+std::string LinkGeometryReader::contentOf(const std::string& uri) const {
   if (resources_.read) return resources_.read(uri);
-  throw ConfigError(owner + ": its mesh " + uri + " cannot be read here");
+  throw ConfigError("its mesh " + uri + " cannot be read here");
 }
 
 }  // namespace tccm

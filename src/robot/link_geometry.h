@@ -43,7 +43,7 @@ class LinkGeometryReader {
   void readFromFile(const urdf::Link& link, std::size_t index);
   void readElement(const urdf::Link& link, std::size_t index, const Placed& placed);
   void fitMesh(const urdf::Mesh& mesh, const std::string& owner, LinkElement& element);
-  [[nodiscard]] std::string contentOf(const std::string& uri, const std::string& owner) const;
+  [[nodiscard]] std::string contentOf(const std::string& uri) const;
 
   const RobotModel::Config& config_;
   const RobotResources& resources_;

@@ -7,6 +7,15 @@
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
+namespace {
+
+bool matchesAny(const std::vector<std::string>& patterns, const std::string& link) {
+  return std::any_of(patterns.begin(), patterns.end(), [&](const std::string& pattern) {
+    return fnmatch(pattern.c_str(), link.c_str(), 0) == 0;
+  });
+}
+
+}  // namespace
 
 LinkSelector::LinkSelector(const Groups& groups, std::vector<std::string> links)
     : links_(std::move(links)) {
@@ -24,8 +33,8 @@ LinkSelector::LinkSelector(const Groups& groups, std::vector<std::string> links)
 bool LinkSelector::matches(const std::vector<std::string>& wanted, const std::string& link) const {
   return std::any_of(wanted.begin(), wanted.end(), [&](const std::string& entry) {
     const auto group = groups_.find(entry);
-    if (group != groups_.end()) return matches(group->second, link);
-    return fnmatch(entry.c_str(), link.c_str(), 0) == 0;
+    return matchesAny(group != groups_.end() ? group->second : std::vector<std::string>{entry},
+                      link);
   });
 }
 

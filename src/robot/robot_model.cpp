@@ -1,15 +1,21 @@
 #include "tccm_monitor/robot/robot_model.h"
 
 #include <algorithm>
+#include <map>
 #include <sstream>
 
 #include "joint_tree.h"
 #include "link_geometry.h"
+#include "printable.h"
 #include "tccm_monitor/config_error.h"
 #include "urdf_reader.h"
 
 namespace tccm {
 namespace {
+
+constexpr std::size_t kMessageMax = 1000;
+/// [m]; what is larger would be filtered out of scans with half of the surroundings.
+constexpr double kObjectReachMax = 3.0;
 
 std::vector<std::string> namesOf(const std::vector<urdf::LinkConstSharedPtr>& links) {
   std::vector<std::string> names;
@@ -91,7 +97,7 @@ std::string RobotModel::Config::text() const {
 }
 
 RobotModel::RobotModel(const std::string& urdf_text, const Config& config,
-                       const RobotResources& resources) {
+                       const RobotResources& resources) try {
   config.validate();
   const urdf::ModelInterfaceSharedPtr urdf = readUrdf(urdf_text);
   name_ = urdf->getName();
@@ -111,15 +117,16 @@ RobotModel::RobotModel(const std::string& urdf_text, const Config& config,
   joints_ = std::move(tree.joints);
   variables_ = std::move(tree.variables);
 
+  std::map<std::string, std::size_t> index_of;
+  for (std::size_t i = 0; i < links_.size(); ++i) index_of.emplace(links_[i], i);
   std::vector<std::size_t> indices;
-  for (const auto& link : monitored.links) {
-    const auto found = std::find(links_.begin(), links_.end(), link->name);
-    indices.push_back(static_cast<std::size_t>(found - links_.begin()));
-  }
+  for (const auto& link : monitored.links) indices.push_back(index_of.at(link->name));
   LinkGeometryReader::Result shapes = geometry.read(monitored.links, indices);
   shapes_ = std::move(shapes.shapes);
   elements_ = std::move(shapes.elements);
   cache_defect_ = geometry.cacheDefect();
+} catch (const ConfigError& error) {
+  throw ConfigError(printable(error.what(), kMessageMax));  // names may hold anything
 }
 
 std::vector<std::string> RobotModel::rootLinks() const {
@@ -168,6 +175,12 @@ RobotModel RobotModel::holding(const std::vector<AttachedObject>& objects) const
     }
     validate(object.primitive.shape, owner);
     if (!isRigid(object.primitive.pose)) throw ConfigError(owner + ": its pose is not rigid");
+    const double reach =
+        object.primitive.pose.translation().norm() + boundingRadius(object.primitive.shape);
+    if (reach > kObjectReachMax) {
+      throw ConfigError(owner +
+                        ": it reaches further than 3 m from its link; lengths are in metres");
+    }
     model.shapes_.push_back({static_cast<std::size_t>(link - links_.begin()),
                              object.primitive.shape, object.primitive.pose, object.name});
   }

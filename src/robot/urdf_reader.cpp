@@ -1,6 +1,7 @@
 #include "urdf_reader.h"
 
 #include <console_bridge/console.h>
+#include <tinyxml2.h>
 #include <urdf_parser/urdf_parser.h>
 
 #include <algorithm>
@@ -17,6 +18,7 @@ namespace tccm {
 namespace {
 
 constexpr std::size_t kMessageMax = 300;
+constexpr double kFurthest = 1e6;  // [m]; beyond it is a slip, and sums would end at infinity
 
 /// One line, of what can be printed, not too long.
 std::string asOneLine(const std::string& text) {
@@ -63,6 +65,36 @@ class ErrorCatcher : public console_bridge::OutputHandler {
   std::string errors_;
 };
 
+/// Where each link has a parent, urdfdom finds no root, and names none of them.
+void requireNoCircle(const std::string& text) {
+  tinyxml2::XMLDocument document;
+  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) return;
+  const auto linkIn = [](const tinyxml2::XMLElement* end) {
+    const char* link = end == nullptr ? nullptr : end->Attribute("link");
+    return std::string(link == nullptr ? "" : link);
+  };
+  std::map<std::string, std::string> parents;
+  const tinyxml2::XMLElement* robot = document.FirstChildElement("robot");
+  const tinyxml2::XMLElement* joint =
+      robot == nullptr ? nullptr : robot->FirstChildElement("joint");
+  for (; joint != nullptr; joint = joint->NextSiblingElement("joint")) {
+    parents[linkIn(joint->FirstChildElement("child"))] = linkIn(joint->FirstChildElement("parent"));
+  }
+  parents.erase("");
+  if (parents.empty()) return;
+  // Upwards as often as there are joints: what is not at an end then is on a circle.
+  std::string link = parents.begin()->first;
+  for (std::size_t i = 0; i < parents.size(); ++i) {
+    const auto above = parents.find(link);
+    if (above == parents.end()) return;
+    link = above->second;
+  }
+  if (parents.count(link) > 0) {
+    throw ConfigError("robot_description: link '" + link +
+                      "' is below itself: its joints form a circle");
+  }
+}
+
 urdf::ModelInterfaceSharedPtr parse(const std::string& text) {
   urdf::ModelInterfaceSharedPtr urdf;
   std::string why;
@@ -80,6 +112,7 @@ urdf::ModelInterfaceSharedPtr parse(const std::string& text) {
   }
   // Of a link with a fault, urdfdom drops what comes after it, collision elements too, and goes on.
   if (urdf && urdf->getRoot() && why.empty()) return urdf;
+  requireNoCircle(text);
   throw ConfigError("robot_description: it is not a valid URDF" +
                     (why.empty() ? std::string() : ": " + why));
 }
@@ -131,7 +164,9 @@ Pose toPose(const urdf::Pose& pose, const std::string& owner) {
   const urdf::Rotation& q = pose.rotation;
   result.linear() = Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix();
   result.translation() << pose.position.x, pose.position.y, pose.position.z;
-  if (!isRigid(result)) throw ConfigError(owner + ": its origin is not finite");
+  if (!isRigid(result) || result.translation().cwiseAbs().maxCoeff() > kFurthest) {
+    throw ConfigError(owner + ": its origin is not finite, or beyond 1000 km");
+  }
   return result;
 }
 

@@ -143,7 +143,8 @@ class RobotModel {
   [[nodiscard]] UsedShapes shapesFor(const LinkUse& use, const LinkUse::Keys& keys) const;
 
   /// The same robot with something in its hand. Joints, links and variables keep their indices.
-  /// @throws ConfigError where the link is not among links(), or the primitive is not valid.
+  /// @throws ConfigError where the link is not among links(), or the primitive is not valid or
+  /// reaches further than 3 m from its link.
   [[nodiscard]] RobotModel holding(const std::vector<AttachedObject>& objects) const;
 
  private:
