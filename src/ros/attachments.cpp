@@ -20,6 +20,13 @@ std::vector<tccm_monitor::AttachedObject>::iterator find(tccm_monitor::AttachedO
                       [&name](const auto& object) { return object.name == name; });
 }
 
+/// Now, but never that of the last list: simulated time may stand still between two calls.
+ros::Time stampAfter(const ros::Time& last) {
+  const ros::Time now = ros::Time::now();
+  const bool jumped_back = now + ros::Duration(1.0) < last;
+  return now > last || jumped_back ? now : last + ros::Duration(0, 1);
+}
+
 }  // namespace
 
 Attachments::Attachments(ros::NodeHandle node, const CheckerSettings& settings, Checker& checker)
@@ -55,13 +62,18 @@ bool Attachments::attach(tccm_monitor::AttachObject::Request& request,
     return true;
   }
   const auto known = find(list_, request.name);
+  if (known != list_.objects.end() && known->link == request.link &&
+      known->primitive == request.primitive) {
+    response.success = true;  // what lies around it now is not to be forgotten once more
+    return true;
+  }
   if (known == list_.objects.end()) {
     list_.objects.push_back(message);
   } else {
-    checker_.detach(request.name);
-    *known = message;
+    *known = message;  // until a map has taken the new one the old one is checked
   }
-  pending_ = true;
+  if (pending_.empty()) pending_since_ = ros::WallTime::now();
+  pending_.insert(request.name);
   publish();
   response.success = true;
   return true;
@@ -77,7 +89,9 @@ bool Attachments::detach(tccm_monitor::DetachObject::Request& request,
     return request.name.empty() || object.name == request.name;
   };
   for (const auto& object : list_.objects) {
-    if (leaves(object)) checker_.detach(object.name);
+    if (!leaves(object)) continue;
+    checker_.detach(object.name);
+    pending_.erase(object.name);
   }
   list_.objects.erase(std::remove_if(list_.objects.begin(), list_.objects.end(), leaves),
                       list_.objects.end());
@@ -86,19 +100,27 @@ bool Attachments::detach(tccm_monitor::DetachObject::Request& request,
   return true;
 }
 
+void Attachments::timeJumpedBack() {
+  if (list_.objects.empty()) return;
+  ROS_WARN("Time jumped back: no object counts as attached any more.");
+  for (const auto& object : list_.objects) checker_.detach(object.name);
+  list_.objects.clear();
+  pending_.clear();
+  publish();
+}
+
 void Attachments::publish() {
   list_.header.frame_id = withoutSlash(settings_.fixed_frame);
-  list_.header.stamp = ros::Time::now();
+  list_.header.stamp = stampAfter(list_.header.stamp);
   publisher_.publish(list_);
-  published_ = ros::WallTime::now();
 }
 
 void Attachments::mapTook(const ros::Time& stamp) {
-  if (pending_ && stamp == list_.header.stamp) settle();
+  if (pending() && stamp == list_.header.stamp) settle();
 }
 
 void Attachments::hurry() {
-  if (!pending_ || (ros::WallTime::now() - published_).toSec() < kMapWaitMax) return;
+  if (!pending() || (ros::WallTime::now() - pending_since_).toSec() < kMapWaitMax) return;
   ROS_WARN(
       "No cuboid_map took the attached objects into account: they may touch what was seen of "
       "them.");
@@ -106,8 +128,10 @@ void Attachments::hurry() {
 }
 
 void Attachments::settle() {
-  for (const auto& object : list_.objects) checker_.attach(fromMessage(object));
-  pending_ = false;
+  for (const auto& object : list_.objects) {
+    if (pending_.count(object.name) > 0) checker_.attach(fromMessage(object));
+  }
+  pending_.clear();
 }
 
 }  // namespace tccm

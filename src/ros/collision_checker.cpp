@@ -20,6 +20,7 @@ namespace {
 constexpr double kClockStallMax = 0.5;  // [s] of wall time; recordings' clocks come in bursts
 
 constexpr const char* kNoTimeYet = "simulated time has not begun";
+constexpr const char* kNotCountedYet = "no map has taken what was attached into account yet";
 
 std_msgs::Bool flag(bool value) {
   std_msgs::Bool message;
@@ -136,6 +137,10 @@ void CollisionChecker::receiveTransforms() {
 
 void CollisionChecker::check() {
   const ros::Time now = ros::Time::now();
+  if (now + ros::Duration(settings_.checker.future_max_s) < checked_) {
+    attachments_->timeJumpedBack();
+  }
+  checked_ = now;
   if (now.isZero()) {  // simulated time has not begun, or begins anew
     checker_->reset();
     verdict_ = nullptr;
@@ -223,6 +228,12 @@ bool CollisionChecker::checkState(tccm_monitor::CheckState::Request& request,
     response.result = tccm_monitor::CheckState::Response::UNKNOWN;
     response.reason = tccm::name(Reason::kInit);
     response.detail = kNoTimeYet;
+    return true;
+  }
+  if (attachments_->pending()) {
+    response.result = tccm_monitor::CheckState::Response::UNKNOWN;
+    response.reason = tccm::name(Reason::kInit);
+    response.detail = kNotCountedYet;
     return true;
   }
   const Time now = toTime(ros::Time::now());

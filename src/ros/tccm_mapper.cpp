@@ -59,19 +59,18 @@ void TccmMapper::receiveAttached(const tccm_monitor::AttachedObjects::ConstPtr& 
     return;
   }
   std::map<std::string, ros::Time> attached;
-  try {
-    for (const tccm_monitor::AttachedObject& object : message->objects) {
-      attached[object.name] = object.forget_until;
-      const auto known = attached_.find(object.name);
-      if (known != attached_.end() && known->second == object.forget_until) continue;
-      const std::string owner = "object '" + object.name + "'";
+  for (const tccm_monitor::AttachedObject& object : message->objects) {
+    attached[object.name] = object.forget_until;
+    const auto known = attached_.find(object.name);
+    if (known != attached_.end() && known->second == object.forget_until) continue;
+    const std::string owner = "object '" + object.name + "'";
+    try {
       const PlacedShape seen{fromMessage(object.primitive, owner).shape,
                              fromMessage(object.attached_at, owner)};
       forgotten_ += mapper_->forget({{seen, object.forget_padding}}, toTime(object.forget_until));
+    } catch (const ConfigError& error) {
+      NODELET_ERROR("Nothing is forgotten of an attached object: %s.", error.what());
     }
-  } catch (const ConfigError& error) {
-    NODELET_ERROR("attached_objects were dropped: %s.", error.what());
-    return;
   }
   attached_ = std::move(attached);
   attached_stamp_ = message->header.stamp;

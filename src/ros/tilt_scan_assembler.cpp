@@ -70,14 +70,18 @@ void TiltScanAssembler::receiveJoints(const sensor_msgs::JointState::ConstPtr& m
 }
 
 void TiltScanAssembler::receiveAttached(const tccm_monitor::AttachedObjects::ConstPtr& message) {
-  try {
-    std::vector<AttachedObject> objects;
-    for (const auto& object : message->objects) objects.push_back(fromMessage(object));
-    body_->setModel(std::make_shared<const RobotModel>(bare_model_->holding(objects)));
-  } catch (const ConfigError& error) {
-    NODELET_ERROR("attached_objects were dropped, the robot is filtered out as before: %s.",
-                  error.what());
+  std::vector<AttachedObject> objects;
+  for (const auto& object : message->objects) {
+    try {
+      const AttachedObject held = fromMessage(object);
+      static_cast<void>(bare_model_->holding({held}));
+      objects.push_back(held);
+    } catch (const ConfigError& error) {
+      // The others are taken all the same: what was detached must not be filtered out any longer.
+      NODELET_ERROR("An attached object is not filtered out: %s.", error.what());
+    }
   }
+  body_->setModel(std::make_shared<const RobotModel>(bare_model_->holding(objects)));
 }
 
 void TiltScanAssembler::process() {

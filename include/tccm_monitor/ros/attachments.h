@@ -5,6 +5,7 @@
 #include <tccm_monitor/AttachedObjects.h>
 #include <tccm_monitor/DetachObject.h>
 
+#include <set>
 #include <string>
 
 #include "tccm_monitor/check/checker.h"
@@ -23,6 +24,10 @@ class Attachments {
   void mapTook(const ros::Time& stamp);
   /// Now and then: what no map takes into account for too long is checked all the same.
   void hurry();
+  /// What was held then need not be held now: the hand is taken for empty.
+  void timeJumpedBack();
+  /// Whether something is held that the checker does not count to the body yet.
+  [[nodiscard]] bool pending() const { return !pending_.empty(); }
 
  private:
   bool attach(tccm_monitor::AttachObject::Request& request,
@@ -35,8 +40,8 @@ class Attachments {
   const CheckerSettings& settings_;
   Checker& checker_;
   tccm_monitor::AttachedObjects list_;
-  bool pending_ = false;  ///< the list has objects that the checker does not count yet
-  ros::WallTime published_;
+  std::set<std::string> pending_;  ///< names that the checker does not count as in the list yet
+  ros::WallTime pending_since_;
   ros::Publisher publisher_;
   ros::ServiceServer attach_service_, detach_service_;
 };

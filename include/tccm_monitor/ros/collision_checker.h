@@ -67,6 +67,7 @@ class CollisionChecker : public nodelet::Nodelet {
   double check_us_ = 0.0;
   double check_us_max_ = 0.0;
   std::size_t checks_ = 0;
+  ros::Time checked_;          ///< at the last check
   ros::Time clock_;            ///< at the last publication
   ros::WallTime clock_moved_;  ///< when it last differed from the one before
   Reason told_ = Reason::kClear;

@@ -32,7 +32,7 @@ struct CheckerSettings {
   double publish_rate_hz = 50.0;  ///< of flags and status, also where nothing comes in
   double marker_rate_hz = 10.0;
   /// What was seen this near to an object that is being attached was the object.
-  double attach_forget_padding_m = 0.05;
+  double attach_forget_padding_m = 0.08;
   double attach_forget_s = 0.2;  ///< also in scans that are on their way
 };
 
