@@ -43,6 +43,13 @@ TEST(LinkSelectorTest, AGroupHasNoGroupsInIt) {
             std::string::npos);
 }
 
+TEST(LinkSelectorTest, GroupsNamedAsPatternsDoNotLookEachOtherUp) {
+  const LinkSelector selector({{"l_*", {"r_*"}}, {"r_*", {"l_*"}}, {"b*", {"b*"}}}, kLinks);
+  EXPECT_TRUE(selector.matches({"l_*"}, "r_arm"));
+  EXPECT_FALSE(selector.matches({"l_*"}, "l_arm"));
+  EXPECT_TRUE(selector.matches({"b*"}, "base"));
+}
+
 TEST(LinkSelectorTest, EveryEntryHasToMeanALink) {
   const LinkSelector selector({{"hands", {"*_hand"}}}, kLinks);
   EXPECT_NO_THROW(selector.requireMatches({"hands", "base"}, "collision_links"));

@@ -187,6 +187,7 @@ TEST(RobotShapesTest, AnObjectOnAnUnknownLinkOrOfNoSizeIsRefused) {
   EXPECT_THROW((void)hold("cup", "eye", Sphere{0.1}), ConfigError) << "it is not placed";
   EXPECT_THROW((void)hold("cup", "arm", Sphere{-0.1}), ConfigError);
   EXPECT_THROW((void)hold("", "arm", Sphere{0.1}), ConfigError);
+  EXPECT_THROW((void)hold("cup", "arm", Cylinder{35.0, 50.0}), ConfigError) << "in millimetres";
 }
 
 }  // namespace

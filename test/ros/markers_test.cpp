@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
+#include <set>
 
 #include "support/cuboid_scene.h"
 #include "support/tiny_robot.h"
@@ -131,6 +133,82 @@ TEST_F(RobotMarkerTest, EachPrimitiveIsDrawnNowAndAheadWhereItIs) {
             2);
   EXPECT_EQ(markers.back().type, Marker::TEXT_VIEW_FACING);
   EXPECT_EQ(markers.back().text, "OK CLEAR");
+}
+
+TEST_F(RobotMarkerTest, ThePrimitivesOfEachUseHaveANamespaceAndIdsOfTheirOwn) {
+  const auto markers = draw(judge(scene())).markers;
+  std::map<std::string, std::set<int>> ids;
+  for (const Marker& marker : markers) {
+    EXPECT_TRUE(ids[marker.ns].insert(marker.id).second) << marker.ns << ' ' << marker.id;
+    EXPECT_EQ(marker.action, Marker::ADD);
+  }
+  EXPECT_EQ(ids.size(), 4U);
+  EXPECT_EQ(ids["now"].size(), 2U);
+  EXPECT_EQ(ids["ahead"].size(), 2U);
+  EXPECT_EQ(ids["occlusion"].size(), 2U);
+  EXPECT_EQ(ids["status"].size(), 1U);
+  const auto unpadded = std::find_if(markers.begin(), markers.end(),
+                                     [](const Marker& m) { return m.ns == "occlusion"; });
+  EXPECT_NEAR(unpadded->scale.x, 2.0 * 0.05, 1e-9);
+}
+
+TEST_F(RobotMarkerTest, WhatTheHandHoldsIsDrawnWithIt) {
+  AttachedObject mug{"mug", "hand", {Capsule{0.03, 0.05}}};
+  mug.primitive.pose.translation().x() = 0.12;
+  checker_.attach(mug);
+  const auto markers = draw(judge(scene())).markers;
+  const auto cylinder = std::find_if(markers.begin(), markers.end(), [](const Marker& m) {
+    return m.type == Marker::CYLINDER && m.ns == "now";
+  });
+  ASSERT_NE(cylinder, markers.end());
+  EXPECT_NEAR(cylinder->pose.position.x, 0.62, 1e-9);
+  EXPECT_NEAR(cylinder->scale.x, 2.0 * (0.03 + 0.04), 1e-9);
+  EXPECT_EQ(
+      std::count_if(markers.begin(), markers.end(), [](const Marker& m) { return m.ns == "now"; }),
+      5)
+      << "two balls, and a capsule's three parts";
+}
+
+TEST(SelfFilterMarkersTest, TheBodyIsDrawnAsFarAsItIsFilteredOut) {
+  BodySample sample;
+  sample.stamp = Time(fromSeconds(7.0));
+  sample.body.shapes = {Sphere{0.05}, Box{Vector3(0.1, 0.2, 0.3)}, Capsule{0.03, 0.1}};
+  sample.body.poses = {test::placedAt(1.0, 0.0, 0.0), test::placedAt(0.0, 2.0, 0.0),
+                       test::placedAt(0.0, 0.0, 3.0)};
+  sample.body.paddings_m = {0.06, 0.0, 0.01};
+  visualization_msgs::MarkerArray drawn;
+  drawn.markers.resize(9);
+  toMarkers(sample, "odom", drawn);
+  const auto& markers = drawn.markers;
+  ASSERT_EQ(markers.size(), 5U) << "what was there before is gone";
+  std::set<int> ids;
+  for (const Marker& marker : markers) {
+    EXPECT_EQ(marker.ns, "self filter");
+    EXPECT_EQ(marker.header.frame_id, "odom");
+    EXPECT_EQ(marker.header.stamp, ros::Time(7.0));
+    EXPECT_GT(marker.lifetime, ros::Duration(0.0)) << "a body that is not placed any more vanishes";
+    EXPECT_TRUE(ids.insert(marker.id).second);
+  }
+  EXPECT_EQ(markers[0].type, Marker::SPHERE);
+  EXPECT_NEAR(markers[0].scale.x, 0.22, 1e-9);
+  EXPECT_NEAR(markers[0].pose.position.x, 1.0, 1e-9);
+  EXPECT_EQ(markers[1].type, Marker::CUBE);
+  EXPECT_NEAR(markers[1].scale.z, 0.6, 1e-9);
+  EXPECT_NEAR(markers[1].pose.position.y, 2.0, 1e-9);
+  EXPECT_EQ(markers[2].type, Marker::CYLINDER);
+  EXPECT_NEAR(markers[2].scale.x, 0.08, 1e-9);
+  EXPECT_NEAR(markers[2].scale.z, 0.2, 1e-9);
+  EXPECT_NEAR(markers[4].pose.position.z, 3.1, 1e-9);
+}
+
+TEST(SelfFilterMarkersTest, ABodyWithoutPaddingsIsDrawnAsItIs) {
+  BodySample sample;
+  sample.body.shapes = {Sphere{0.05}};
+  sample.body.poses = {Pose::Identity()};
+  visualization_msgs::MarkerArray drawn;
+  toMarkers(sample, "odom", drawn);
+  ASSERT_EQ(drawn.markers.size(), 1U);
+  EXPECT_NEAR(drawn.markers[0].scale.x, 0.1, 1e-9);
 }
 
 TEST_F(RobotMarkerTest, WhatTouchesTheMapIsMagentaAndTheTextSaysWhy) {

@@ -1,11 +1,13 @@
 #!/usr/bin/python3
 """What must not be run is refused on the console with one line that names the key, and nothing
-reports clear."""
+reports clear. What may be run starts, and reads its robot once."""
 
+import glob
 import json
 import os
 import re
 import signal
+import struct
 import subprocess
 import tempfile
 import time
@@ -21,13 +23,19 @@ from tccm_monitor.msg import MonitorStatus
 
 PACKAGE = rospkg.RosPack().get_path("tccm_monitor")
 ARMS = os.path.join(PACKAGE, "simulation", "robot", "dual_arm.urdf")
-MESH = os.path.join(PACKAGE, "test", "ros", "mesh_robot.urdf")
+MISSING_MESH = os.path.join(PACKAGE, "test", "ros", "mesh_robot.urdf")
 DEFAULTS = None  # the launch file's own configuration
 LISTENING = 8.0  # seconds
 
 
+# Of mesh_robot.urdf, to be replaced by one that is there.
+MESH_URI = "package://somewhere/hand.stl"
+BOTH = ("tilt_scan_assembler", "collision_checker")
+
+
 class Case:
-    """@param refusals by nodelet, what the one line of its refusal names."""
+    """@param robot a URDF file, or a function that writes one into a folder.
+    @param refusals by nodelet, the texts that the one line of its refusal has."""
 
     def __init__(self, robot, refusals, config=DEFAULTS, standalone=False):
         self.robot = robot
@@ -36,19 +44,44 @@ class Case:
         self.standalone = standalone
 
 
+def stl_box(x, y, z):
+    """A box between the origin and (x, y, z), as a binary STL."""
+    corner = [(x * (i & 1), y * (i >> 1 & 1), z * (i >> 2 & 1)) for i in range(8)]
+    faces = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
+    triangles = [(f[0], f[k], f[k + 1]) for f in faces for k in (1, 2)]
+    stl = bytes(80) + struct.pack("<I", len(triangles))
+    for triangle in triangles:
+        stl += struct.pack("<12f", 0, 0, 0, *(value for i in triangle for value in corner[i]))
+        stl += bytes(2)
+    return stl
+
+
+def robot_with_mesh(folder, name, content):
+    """@return the path of a URDF whose hand is that mesh."""
+    mesh, urdf = os.path.join(folder, name), os.path.join(folder, name + ".urdf")
+    with open(mesh, "wb") as file:
+        file.write(content)
+    with open(MISSING_MESH, encoding="utf-8") as file:
+        text = file.read()
+    with open(urdf, "w", encoding="utf-8") as file:
+        file.write(text.replace(MESH_URI, "file://" + mesh))
+    return urdf
+
+
 CASES = {
-    "no_robot": Case("", {"tilt_scan_assembler": "robot_description",
-                          "collision_checker": "robot_description"}),
-    "bad_cell_size": Case(ARMS, {"tccm_mapper": "cell_size_m: -1"},
+    "no_robot": Case("", {nodelet: ["robot_description"] for nodelet in BOTH}),
+    "bad_cell_size": Case(ARMS, {"tccm_mapper": ["cell_size_m: -1"]},
                           {"tccm_mapper": {"cell_size_m": -1}}),
-    "bad_horizon": Case(ARMS, {"collision_checker": "horizon_s: soon"},
+    "bad_horizon": Case(ARMS, {"collision_checker": ["horizon_s: soon"]},
                         {"collision_checker": {"horizon_s": "soon"}}),
-    "no_frame": Case(ARMS, {"tilt_scan_assembler": "fixed_frame",
-                            "collision_checker": "fixed_frame"},
+    "no_frame": Case(ARMS, {nodelet: ["fixed_frame"] for nodelet in BOTH},
                      {"tilt_scan_assembler": {"fixed_frame": "/"},
                       "collision_checker": {"fixed_frame": "/"}}),
-    "mesh": Case(MESH, {"tilt_scan_assembler": "hand_link", "collision_checker": "hand_link"}),
-    "alone": Case(ARMS, {"collision_checker": "horizon_s: soon"},
+    "missing_mesh": Case(MISSING_MESH, {nodelet: ["hand_link", MESH_URI] for nodelet in BOTH}),
+    "broken_mesh": Case(lambda folder: robot_with_mesh(folder, "broken.stl", b"solid but nothing"),
+                        {nodelet: ["hand_link", "broken.stl"] for nodelet in BOTH}),
+    "mesh": Case(lambda folder: robot_with_mesh(folder, "hand.stl", stl_box(0.1, 0.04, 0.02)), {}),
+    "alone": Case(ARMS, {"collision_checker": ["horizon_s: soon"]},
                   {"collision_checker": {"horizon_s": "soon"}}, standalone=True),
     "wrong_frame": Case(ARMS, {}, {"tilt_scan_assembler": {"fixed_frame": "nowhere"},
                                    "collision_checker": {"fixed_frame": "nowhere"}}),
@@ -57,14 +90,17 @@ CASES = {
 
 
 def launch(namespace, case, folder):
-    command = ["roslaunch", "tccm_monitor", "monitor.launch", f"robot:={case.robot}",
+    robot = case.robot(folder) if callable(case.robot) else case.robot
+    command = ["roslaunch", "tccm_monitor", "monitor.launch", f"robot:={robot}",
                f"standalone:={str(case.standalone).lower()}"]
     if case.config is not DEFAULTS:
         path = os.path.join(folder, namespace + ".yaml")
         with open(path, "w", encoding="utf-8") as file:
             json.dump(case.config, file)  # which is YAML too
         command.append(f"config:={path}")
-    return subprocess.Popen(command, env=dict(os.environ, ROS_NAMESPACE="/" + namespace),
+    # A folder of its own for the fits that are kept.
+    environment = dict(os.environ, ROS_NAMESPACE="/" + namespace, ROS_HOME=folder)
+    return subprocess.Popen(command, env=environment,
                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
 
 
@@ -85,6 +121,7 @@ class RefusalsTest(unittest.TestCase):
             cls.nodes = set(rosnode.get_node_names())
             cls.console = {namespace: console_of(process)
                            for namespace, process in running.items()}
+            cls.fits = glob.glob(os.path.join(folder, "tccm_monitor", "fits", "*"))
 
     def said(self, namespace, text):
         return [line for line in self.console[namespace] if text in line]
@@ -94,10 +131,11 @@ class RefusalsTest(unittest.TestCase):
             with self.subTest(namespace=namespace):
                 refusals = self.said(namespace, "refuses to start")
                 self.assertEqual(len(refusals), len(case.refusals), refusals)
-                for nodelet, key in case.refusals.items():
+                for nodelet, texts in case.refusals.items():
                     said = self.said(namespace, f"/{namespace}/{nodelet} refuses to start")
                     self.assertEqual(len(said), 1, refusals)
-                    self.assertIn(key, said[0])
+                    for text in texts:
+                        self.assertIn(text, said[0])
                     self.assertIn("[FATAL]", said[0])
 
     def test_nothing_ever_reports_clear(self):
@@ -132,6 +170,18 @@ class RefusalsTest(unittest.TestCase):
     def test_the_defaults_start_and_stop_for_want_of_input(self):
         last = self.recorders["defaults"].statuses[-1]
         self.assertEqual((last.level, last.stop), (MonitorStatus.FAULT, True))
+
+    def test_a_robot_with_a_mesh_starts_and_keeps_the_fit(self):
+        last = self.recorders["mesh"].statuses[-1]
+        self.assertEqual((last.level, last.stop), (MonitorStatus.FAULT, True))
+        self.assertEqual(self.said("mesh", "[FATAL]") + self.said("mesh", "[ERROR]"), [])
+        self.assertGreater(len(self.fits), 0)
+
+    def test_the_nodelets_of_one_process_read_the_robot_once(self):
+        self.assertEqual(len(self.said("mesh", "Reading 1 meshes")), 1)
+        said = self.said("defaults", "have no collision element")
+        self.assertEqual(len(said), 1, said)
+        self.assertIn("laser_tilt_link", said[0])
 
 
 if __name__ == "__main__":

@@ -204,5 +204,70 @@ TEST_F(ScanSourceWithRobotTest, WhereTheRootsPoseNeverComesTheDropSaysSo) {
   EXPECT_EQ(source_.dropped().at("no_transform"), 1U);
 }
 
+/// With a robot whose links hang on two roots.
+class ScanSourceWithTwoRootsTest : public ScanSourceTest {
+ protected:
+  ScanSourceWithTwoRootsTest() : source_(source({"root", "trailer"})) {
+    hearFromTo("laser", 0.95, 1.15);
+    for (const double stamp : {0.99, 1.03}) {
+      joints_.add(at(stamp), {"slide", "glide"}, {0.0, 0.0}, {});
+    }
+    EXPECT_EQ(source_.add(scanAt(1.0), "laser", at(1.03)), "");
+  }
+  ScanSource source_;
+  JointStates joints_{*test::sliderModel(), {}};
+};
+
+TEST_F(ScanSourceWithTwoRootsTest, AScanWaitsForBothAndBringsThemInTheirOrder) {
+  hear("trailer", 0.99);
+  hear("trailer", 1.01);
+  hear("trailer", 1.03);
+  EXPECT_EQ(source_.next(&joints_, at(1.04)), nullptr);
+  EXPECT_EQ(source_.waiting(), 1U);
+  hear("root", 0.98);
+  hear("root", 1.08);
+  const ScanSource::Ready* ready = source_.next(&joints_, at(1.09));
+  ASSERT_NE(ready, nullptr);
+  ASSERT_EQ(ready->T_fixed_roots.size(), 2U);
+  for (const PosePath& path : ready->T_fixed_roots) {
+    ASSERT_TRUE(path.covers(at(1.0), at(1.02)));
+    EXPECT_NEAR(path.at(at(1.01))->translation().x(), 1.01, 1e-9);
+  }
+}
+
+TEST_F(ScanSourceWithTwoRootsTest, EachIsPlacedByItsOwnFrame) {
+  hearFromTo("root", 0.95, 1.15);
+  tf2_msgs::TFMessage message;
+  message.transforms.resize(1);
+  message.transforms[0].header.frame_id = "base";
+  message.transforms[0].child_frame_id = "trailer";
+  message.transforms[0].transform.translation.y = -2.0;
+  message.transforms[0].transform.rotation.w = 1.0;
+  history_.add(message, true);
+  const ScanSource::Ready* ready = source_.next(&joints_, at(1.04));
+  ASSERT_NE(ready, nullptr);
+  EXPECT_NEAR(ready->T_fixed_roots.at(0).at(at(1.01))->translation().x(), 1.01, 1e-9);
+  EXPECT_NEAR(ready->T_fixed_roots.at(1).at(at(1.01))->translation().y(), -2.0, 1e-9);
+  EXPECT_NEAR(ready->T_fixed_roots.at(1).at(at(1.01))->translation().x(), 0.0, 1e-9);
+}
+
+TEST_F(ScanSourceWithTwoRootsTest, WhereTheSecondNeverComesTheScanIsDropped) {
+  hearFromTo("root", 0.95, 1.15);
+  EXPECT_EQ(source_.next(&joints_, at(1.53)), nullptr);
+  EXPECT_EQ(source_.waiting(), 1U);
+  EXPECT_EQ(source_.next(&joints_, at(1.54)), nullptr);
+  EXPECT_EQ(source_.waiting(), 0U);
+  EXPECT_EQ(source_.dropped().at("no_transform"), 1U);
+}
+
+TEST_F(ScanSourceWithTwoRootsTest, AGapInTheSecondDropsTheScan) {
+  hearFromTo("root", 0.95, 1.15);
+  hear("trailer", 0.95);
+  hear("trailer", 1.1);
+  EXPECT_EQ(source_.next(&joints_, at(1.04)), nullptr);
+  EXPECT_EQ(source_.waiting(), 0U);
+  EXPECT_EQ(source_.dropped().at("transform_gap"), 1U);
+}
+
 }  // namespace
 }  // namespace tccm
