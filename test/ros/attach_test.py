@@ -293,12 +293,18 @@ class AttachTest(unittest.TestCase):
         check = rospy.ServiceProxy("unheard/check_state", CheckState)
         # Where nothing was seen, so that it touches nothing.
         high = (numpy.linalg.inv(self.T_base_hand) @ [0.6, 0.0, 1.9, 1.0])[:3]
-        self.assertTrue(attach("ball", HAND, ball(high)).success)
-        answer = check(self.question())
+        for attempt in range(20):  # on a busy machine the answers may come too late to tell
+            name = f"ball {attempt}"
+            called = time.monotonic()
+            self.assertTrue(attach(name, HAND, ball(high)).success)
+            answer = check(self.question())
+            before = self.unheard.statuses[-1].attached_objects
+            if time.monotonic() - called < 0.4:
+                break
         self.assertEqual((answer.result, answer.reason), (CheckStateResponse.UNKNOWN, "INIT"))
         self.assertIn("attached", answer.detail)
-        self.assertEqual(self.unheard.statuses[-1].attached_objects, [])
-        wait_for(lambda: self.unheard.statuses[-1].attached_objects == ["ball"], patience=2.0)
+        self.assertNotIn(name, before)
+        wait_for(lambda: name in self.unheard.statuses[-1].attached_objects)
         self.assertNotIn("attached", check(self.question()).detail)
         self.assertEqual(self.recorder.statuses[-1].attached_objects, [], "each has its own hand")
 
