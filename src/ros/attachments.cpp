@@ -88,6 +88,7 @@ bool Attachments::detach(tccm_monitor::DetachObject::Request& request,
   const auto leaves = [&request](const auto& object) {
     return request.name.empty() || object.name == request.name;
   };
+  const std::size_t held = list_.objects.size();
   for (const auto& object : list_.objects) {
     if (!leaves(object)) continue;
     checker_.detach(object.name);
@@ -95,12 +96,14 @@ bool Attachments::detach(tccm_monitor::DetachObject::Request& request,
   }
   list_.objects.erase(std::remove_if(list_.objects.begin(), list_.objects.end(), leaves),
                       list_.objects.end());
+  if (list_.objects.size() < held) let_go_ = ros::Time::now();
   publish();
   response.success = true;
   return true;
 }
 
 void Attachments::timeJumpedBack() {
+  let_go_ = ros::Time();  // the map starts anew as well
   if (list_.objects.empty()) return;
   ROS_WARN("Time jumped back: no object counts as attached any more.");
   for (const auto& object : list_.objects) checker_.detach(object.name);
@@ -115,12 +118,18 @@ void Attachments::publish() {
   publisher_.publish(list_);
 }
 
-void Attachments::mapTook(const ros::Time& stamp) {
-  if (pending() && stamp == list_.header.stamp) settle();
+void Attachments::mapCame(const ros::Time& took, const ros::Time& since) {
+  if (!pending_.empty() && took == list_.header.stamp) settle();
+  if (since >= let_go_) let_go_ = ros::Time();
+}
+
+const char* Attachments::unknown() const {
+  if (!pending_.empty()) return "no map has taken what was attached into account yet";
+  return let_go_.isZero() ? nullptr : "where what was let go of stands has not been looked at yet";
 }
 
 void Attachments::hurry() {
-  if (!pending() || (ros::WallTime::now() - pending_since_).toSec() < kMapWaitMax) return;
+  if (pending_.empty() || (ros::WallTime::now() - pending_since_).toSec() < kMapWaitMax) return;
   ROS_WARN(
       "No cuboid_map took the attached objects into account: they may touch what was seen of "
       "them.");

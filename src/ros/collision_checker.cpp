@@ -20,7 +20,6 @@ namespace {
 constexpr double kClockStallMax = 0.5;  // [s] of wall time; recordings' clocks come in bursts
 
 constexpr const char* kNoTimeYet = "simulated time has not begun";
-constexpr const char* kNotCountedYet = "no map has taken what was attached into account yet";
 
 std_msgs::Bool flag(bool value) {
   std_msgs::Bool message;
@@ -115,7 +114,8 @@ void CollisionChecker::receiveMap(const tccm_monitor::CuboidMap::ConstPtr& messa
     return;
   }
   checker_->setMap(toTime(ros::Time::now()), maps_[newest_map_]);
-  attachments_->mapTook(message->attached_stamp);
+  attachments_->mapCame(message->attached_stamp,
+                        toRos(toTime(message->header.stamp) - Duration(message->window.toNSec())));
   check();
 }
 
@@ -185,9 +185,12 @@ bool CollisionChecker::clockStalls() {
 }
 
 void CollisionChecker::publish() {
-  const bool known = verdict_ && verdict_->known;
+  const char* unknown = attachments_->unknown();
+  const bool known = verdict_ && verdict_->known && !unknown;
+  const bool stop = !verdict_ || verdict_->stop || unknown;
   published_ = verdict_ ? verdict_->level : Level::kFault;
-  stop_publisher_.publish(flag(!verdict_ || verdict_->stop));
+  if (unknown) published_ = std::max(published_, Level::kStop);
+  stop_publisher_.publish(flag(stop));
   // What is not known is not clear.
   collision_publisher_.publish(flag(!known || verdict_->collision));
   occlusion_publisher_.publish(flag(!known || verdict_->occlusion));
@@ -200,6 +203,13 @@ void CollisionChecker::publish() {
     status.reason = tccm::name(Reason::kInit);
     status.detail = kNoTimeYet;
   }
+  if (unknown && status.level == tccm_monitor::MonitorStatus::OK) {
+    status.level = tccm_monitor::MonitorStatus::STOP;
+    status.reason = tccm::name(Reason::kInit);
+    status.detail = unknown;
+  }
+  status.stop = stop;
+  status.known = known;
   status.header.frame_id = withoutSlash(settings_.fixed_frame);
   status.scan_to_verdict_s = static_cast<float>(scan_to_verdict_s_);
   status.check_us = static_cast<float>(check_us_);
@@ -230,10 +240,10 @@ bool CollisionChecker::checkState(tccm_monitor::CheckState::Request& request,
     response.detail = kNoTimeYet;
     return true;
   }
-  if (attachments_->pending()) {
+  if (const char* unknown = attachments_->unknown()) {
     response.result = tccm_monitor::CheckState::Response::UNKNOWN;
     response.reason = tccm::name(Reason::kInit);
-    response.detail = kNotCountedYet;
+    response.detail = unknown;
     return true;
   }
   const Time now = toTime(ros::Time::now());

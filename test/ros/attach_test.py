@@ -287,6 +287,19 @@ class AttachTest(unittest.TestCase):
         self.detach_all()
         wait_for(lambda: self.near(self.maps[-1]) > 0)
 
+    def test_what_was_let_go_of_stops_the_robot_until_a_whole_window_has_looked(self):
+        wait_for(lambda: self.recorder.statuses[-1].known)
+        self.attach(primitive=ball(self.place_in_hand))
+        self.wait_for_attached(["ball"])
+        let_go = rospy.Time.now()
+        self.detach_all()
+        wait_for(lambda: "let go" in self.recorder.statuses[-1].detail)
+        self.assertTrue(self.recorder.statuses[-1].stop)
+        self.assertFalse(self.recorder.statuses[-1].known)
+        wait_for(lambda: self.recorder.statuses[-1].known)
+        newest = self.maps[-1]
+        self.assertGreaterEqual(newest.header.stamp - newest.window, let_go)
+
     def test_what_no_map_takes_into_account_is_checked_all_the_same_and_no_state_is_free_before(self):
         wait_for(lambda: self.unheard.statuses and self.unheard.statuses[-1].known)
         attach = rospy.ServiceProxy("unheard/attach_object", AttachObject)

@@ -20,14 +20,17 @@ class Attachments {
  public:
   Attachments(ros::NodeHandle node, const CheckerSettings& settings, Checker& checker);
 
-  /// A map came in that takes the list with that stamp into account.
-  void mapTook(const ros::Time& stamp);
+  /// A map came in. @param took stamp of the list that it takes into account.
+  /// @param since the oldest scan in it.
+  void mapCame(const ros::Time& took, const ros::Time& since);
   /// Now and then: what no map takes into account for too long is checked all the same.
   void hurry();
   /// What was held then need not be held now: the hand is taken for empty.
   void timeJumpedBack();
-  /// Whether something is held that the checker does not count to the body yet.
-  [[nodiscard]] bool pending() const { return !pending_.empty(); }
+  /// What is not known because of what was attached or let go of lately, in one line: the checker
+  /// does not count it to the body yet, or not a whole window has looked at where it may stand now.
+  /// Null where nothing is.
+  [[nodiscard]] const char* unknown() const;
 
  private:
   bool attach(tccm_monitor::AttachObject::Request& request,
@@ -42,6 +45,7 @@ class Attachments {
   tccm_monitor::AttachedObjects list_;
   std::set<std::string> pending_;  ///< names that the checker does not count as in the list yet
   ros::WallTime pending_since_;
+  ros::Time let_go_;  ///< when something was last let go of; zero once a window has passed since
   ros::Publisher publisher_;
   ros::ServiceServer attach_service_, detach_service_;
 };
