@@ -119,7 +119,7 @@ void SelfFilterTrial::addRobot(const RobotSample& sample) {
   constexpr std::size_t kKept = 12;  // at 10 ms each: more than a scan and its wait
   if (recent_.size() == kKept) recent_.erase(recent_.begin());
   recent_.push_back(sample);
-  monitor_.addJoints(sample.stamp, joints_, sample.positions, sample.velocities);
+  monitor_.addJoints(sample.stamp, sample.stamp, joints_, sample.positions, sample.velocities);
   check();
 }
 

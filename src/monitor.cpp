@@ -22,22 +22,47 @@ Monitor::Monitor(const Config& config, std::shared_ptr<const RobotModel> model)
   checker_ = std::make_unique<Checker>(std::move(model), config.checker);
 }
 
-void Monitor::addJoints(Time stamp, const std::vector<std::string>& names,
+void Monitor::addJoints(Time now, Time stamp, const std::vector<std::string>& names,
                         const std::vector<double>& positions,
                         const std::vector<double>& velocities) {
   if (body_) body_->joints().add(stamp, names, positions, velocities);
-  if (checker_) checker_->addJoints(stamp, names, positions, velocities);
+  if (checker_) checker_->addJoints(now, stamp, names, positions, velocities);
+}
+
+void Monitor::scanArrived(Time now, Time stamp) {
+  if (checker_) checker_->inputs().addScanReport(now, {stamp, ScanReport::Outcome::kWaiting});
+}
+
+void Monitor::scanDropped(Time now, Time stamp, const std::string& reason) {
+  if (!checker_) return;
+  checker_->inputs().addScanReport(now, {stamp, ScanReport::Outcome::kDropped, reason});
 }
 
 void Monitor::reset() {
   if (body_) body_->joints().reset();
   mapper_.clear();
-  if (checker_) checker_->reset();
+  if (checker_) checker_->startAnew();
   maps_ = {};
 }
 
 Monitor::ScanOutcome Monitor::addScan(Time now, const LaserScan& scan,
                                       const PosePath& T_fixed_sensor,
+                                      const std::vector<PosePath>& T_fixed_roots) {
+  ScanOutcome outcome = mapScan(scan, T_fixed_sensor, T_fixed_roots);
+  if (!outcome.dropped.empty()) {
+    scanDropped(now, scan.stamp, outcome.dropped);
+    return outcome;
+  }
+  if (checker_) {
+    checker_->inputs().addScanReport(now, {scan.stamp, ScanReport::Outcome::kAssembled});
+  }
+  Stopwatch stopwatch;
+  publishMap(now);
+  outcome.snapshot_us = stopwatch.lapMicroseconds();
+  return outcome;
+}
+
+Monitor::ScanOutcome Monitor::mapScan(const LaserScan& scan, const PosePath& T_fixed_sensor,
                                       const std::vector<PosePath>& T_fixed_roots) {
   ScanOutcome outcome;
   Stopwatch stopwatch;
@@ -57,8 +82,6 @@ Monitor::ScanOutcome Monitor::addScan(Time now, const LaserScan& scan,
   if (!outcome.dropped.empty()) return outcome;
   outcome.added = mapped.added;
   outcome.integrate_us = stopwatch.lapMicroseconds();
-  publishMap(now);
-  outcome.snapshot_us = stopwatch.lapMicroseconds();
   return outcome;
 }
 

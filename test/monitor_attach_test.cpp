@@ -60,6 +60,7 @@ Monitor::Config configuration() {
   Monitor::Config config;
   config.mapper.map.scans_max = 512;
   config.checker.pose.check_occlusion = false;
+  config.checker.way.margin_max_m = 0.0;  // what touches is asked here, not how near it may come
   return config;
 }
 
@@ -106,7 +107,7 @@ class MonitorAttachTest : public ::testing::Test {
 
   Monitor::ScanOutcome step(Monitor& monitor) {
     for (const double stamp : {now_ - 0.5 * kScanPeriod, now_ + 0.5 * kScanPeriod}) {
-      monitor.addJoints(at(stamp), {"reach"}, {reachAt(stamp)}, {speed_});
+      monitor.addJoints(at(stamp), at(stamp), {"reach"}, {reachAt(stamp)}, {speed_});
     }
     PosePath sensor;
     for (const double offset : {-0.001, 0.0, 0.001}) {

@@ -68,8 +68,8 @@ class MonitorTest : public ::testing::Test {
     root.add(at(0.0), Pose::Identity());
     root.add(at(1000.0), Pose::Identity());
     for (; now_ < end; now_ += kScanPeriod) {
-      monitor.addJoints(at(now_ - 0.005), {"height"}, {height}, {0.0});
-      monitor.addJoints(at(now_ + 0.005), {"height"}, {height}, {0.0});
+      monitor.addJoints(at(now_), at(now_ - 0.005), {"height"}, {height}, {0.0});
+      monitor.addJoints(at(now_ + 0.005), at(now_ + 0.005), {"height"}, {height}, {0.0});
       PosePath sensor;
       sensor.add(at(now_ - 0.001), sensorAt(now_ - 0.001));
       sensor.add(at(now_), sensorAt(now_));
@@ -157,8 +157,8 @@ TEST_F(MonitorTest, AScanThatCannotBePlacedIsDroppedWithItsReason) {
   root.add(at(1000.0), Pose::Identity());
   const LaserScan scan = scanOfTable(100.0);
   EXPECT_EQ(monitor.addScan(at(100.1), scan, sensor, {root}).dropped, "no_joint_states");
-  monitor.addJoints(at(99.99), {"height"}, {0.8}, {});
-  monitor.addJoints(at(100.05), {"height"}, {0.8}, {});
+  monitor.addJoints(at(99.99), at(99.99), {"height"}, {0.8}, {});
+  monitor.addJoints(at(100.05), at(100.05), {"height"}, {0.8}, {});
   EXPECT_EQ(monitor.addScan(at(100.1), scan, sensor, {PosePath()}).dropped, "no_transform");
   LaserScan broken = scan;
   broken.range_max = std::numeric_limits<double>::quiet_NaN();

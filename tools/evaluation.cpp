@@ -24,11 +24,16 @@ Evaluation::Evaluation(const MonitorSettings& settings, std::shared_ptr<const Ro
       buffer_(toRos(kTransformsKept)),
       transforms_(buffer_, fromSeconds(settings.assembler.transform_gap_max_s), kTransformsKept),
       source_(settings.assembler, monitor_.body() ? root_frames_ : std::vector<std::string>(),
-              transforms_) {}
+              transforms_) {
+  source_.onDrop([this](Time stamp, const std::string& reason) {
+    if (now_) monitor_.scanDropped(*now_, stamp, reason);
+  });
+}
 
 void Evaluation::add(const sensor_msgs::LaserScan& message, const std::string& publisher) {
   moveClock(toTime(message.header.stamp), publisher);
   ++totals_.scans_received;
+  monitor_.scanArrived(*now_, toTime(message.header.stamp));
   // What is malformed is counted there.
   static_cast<void>(source_.add(fromMessage(message), message.header.frame_id, *now_));
   mapReady();
@@ -37,7 +42,7 @@ void Evaluation::add(const sensor_msgs::LaserScan& message, const std::string& p
 void Evaluation::add(const sensor_msgs::JointState& message, const std::string& publisher) {
   const Time stamp = toTime(message.header.stamp);
   moveClock(stamp, publisher);
-  monitor_.addJoints(stamp, message.name, message.position, message.velocity);
+  monitor_.addJoints(*now_, stamp, message.name, message.position, message.velocity);
   mapReady();
   if (monitor_.hasRobot()) check();
 }
@@ -124,7 +129,8 @@ void Evaluation::check() {
   totals_.occlusions += verdict.occlusion ? 1 : 0;
   totals_.stops += verdict.stop ? 1 : 0;
   if (verdict.placed) {
-    totals_.timings.collision.push_back(verdict.now.collision_us + verdict.ahead.collision_us);
+    totals_.timings.collision.push_back(verdict.now.collision_us + verdict.ahead.collision_us +
+                                        verdict.way_us);
     totals_.timings.occlusion.push_back(verdict.now.occlusion_us + verdict.ahead.occlusion_us);
   }
   noteStop(verdict);

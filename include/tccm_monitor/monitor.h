@@ -50,10 +50,14 @@ class Monitor {
   [[nodiscard]] const Mapper& mapper() const { return mapper_; }
 
   /// To the self filter and to the checker.
-  void addJoints(Time stamp, const std::vector<std::string>& names,
+  void addJoints(Time now, Time stamp, const std::vector<std::string>& names,
                  const std::vector<double>& positions, const std::vector<double>& velocities);
   /// @param now when it is processed, by the clock of the stamps.
   /// @param T_fixed_roots one for each of the model's roots, where a robot is filtered out.
+  /// A scan came in, and waits for transforms.
+  void scanArrived(Time now, Time stamp);
+  /// A scan that came in will not be handed over. @param reason why.
+  void scanDropped(Time now, Time stamp, const std::string& reason);
   ScanOutcome addScan(Time now, const LaserScan& scan, const PosePath& T_fixed_sensor,
                       const std::vector<PosePath>& T_fixed_roots);
   /// The robot holds something from now on: it joins the body for filter and check, and what was
@@ -74,6 +78,8 @@ class Monitor {
   [[nodiscard]] const CuboidMap* map() const { return maps_[newest_].get(); }
 
  private:
+  [[nodiscard]] ScanOutcome mapScan(const LaserScan& scan, const PosePath& T_fixed_sensor,
+                                    const std::vector<PosePath>& T_fixed_roots);
   /// A snapshot for the checker, which may hold the one before.
   void publishMap(Time now);
 

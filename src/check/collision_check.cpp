@@ -1,5 +1,8 @@
 #include "tccm_monitor/check/collision_check.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "tccm_monitor/config_error.h"
 #include "tccm_monitor/geometry/overlap.h"
 
@@ -15,14 +18,25 @@ CollisionCheck::CollisionCheck(const Config& config) : config_((config.validate(
   contacts_.reserve(static_cast<std::size_t>(config_.contacts_max));
 }
 
-const std::vector<Contact>& CollisionCheck::find(const CuboidMap& map, const Body& body) {
-  contacts_.clear();
-  for (std::uint32_t i = 0; i < body.shapes.size(); ++i) findOf(map, body, i);
-  return contacts_;
+void CollisionCheck::exempt(ExemptRegions regions) { exempt_ = std::move(regions); }
+
+bool CollisionCheck::isExempt(std::uint32_t index, const UprightBox& cuboid) const {
+  if (exempt_.empty()) return false;
+  return std::any_of(exempt_[index].begin(), exempt_[index].end(), [&cuboid](const auto& region) {
+    const Pose T_region_fixed = region.pose.inverse();
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vector3 p_fixed = cuboid.corner(static_cast<UprightBox::CornerType>(corner));
+      if (distance(region.shape, T_region_fixed * p_fixed) > 0.0) return false;
+    }
+    return true;
+  });
 }
 
-void CollisionCheck::findOf(const CuboidMap& map, const Body& body, std::uint32_t shape) {
-  const UprightBox around = bounds(body.shapes[shape], body.poses[shape]);
+template <typename Visit>
+void CollisionCheck::visitContacts(const CuboidMap& map, const Shape& shape,
+                                   const Pose& T_fixed_shape, std::uint32_t index,
+                                   Visit&& visit) const {
+  const UprightBox around = bounds(shape, T_fixed_shape);
   const Grid::Footprint footprint = map.grid.footprint(around);
   const Height low = map.grid.heightFloor(around.min().z());
   const Height high = map.grid.heightCeil(around.max().z());
@@ -32,17 +46,42 @@ void CollisionCheck::findOf(const CuboidMap& map, const Body& body, std::uint32_
     for (std::uint32_t k = cell_begin[footprint.x_begin]; k < end; ++k) {
       const Cuboid& cuboid = map.cuboids[k];
       if (cuboid.top < low || cuboid.bottom > high) continue;
-      if (!overlaps(body.shapes[shape], body.poses[shape], map.box(cuboid))) continue;
-      // Its own returns are most of the support, and mostly enough.
-      const auto needed = static_cast<std::uint32_t>(config_.support_points);
-      if (cuboid.points < needed && needed > 1 &&
-          supportOf(map, cuboid, config_.support_height_m) < needed) {
-        continue;
-      }
-      if (contacts_.size() == static_cast<std::size_t>(config_.contacts_max)) return;
-      contacts_.push_back({shape, k});
+      const UprightBox box = map.box(cuboid);
+      if (!overlaps(shape, T_fixed_shape, box)) continue;
+      if (!hasSupport(map, cuboid) || isExempt(index, box)) continue;
+      if (!visit(k)) return;
     }
   }
+}
+
+bool CollisionCheck::hasSupport(const CuboidMap& map, const Cuboid& cuboid) const {
+  // Its own returns are most of the support, and mostly enough.
+  const auto needed = static_cast<std::uint32_t>(config_.support_points);
+  return cuboid.points >= needed || needed <= 1 ||
+         supportOf(map, cuboid, config_.support_height_m) >= needed;
+}
+
+const std::vector<Contact>& CollisionCheck::find(const CuboidMap& map, const Body& body) {
+  contacts_.clear();
+  const auto most = static_cast<std::size_t>(config_.contacts_max);
+  for (std::uint32_t i = 0; i < body.shapes.size() && contacts_.size() < most; ++i) {
+    visitContacts(map, body.shapes[i], body.poses[i], i, [&](std::uint32_t cuboid) {
+      contacts_.push_back({i, cuboid});
+      return contacts_.size() < most;
+    });
+  }
+  return contacts_;
+}
+
+std::optional<std::uint32_t> CollisionCheck::first(const CuboidMap& map, const Shape& shape,
+                                                   const Pose& T_fixed_shape,
+                                                   std::uint32_t index) const {
+  std::optional<std::uint32_t> found;
+  visitContacts(map, shape, T_fixed_shape, index, [&found](std::uint32_t cuboid) {
+    found = cuboid;
+    return false;
+  });
+  return found;
 }
 
 }  // namespace tccm

@@ -4,18 +4,10 @@
 
 #include "tccm_monitor/config_error.h"
 #include "tccm_monitor/stopwatch.h"
+#include "used_body.h"
 
 namespace tccm {
 namespace {
-
-Body bodyOf(const RobotModel& model, const UsedShapes& used) {
-  Body body;
-  for (std::size_t i = 0; i < used.shapes.size(); ++i) {
-    body.shapes.push_back(expanded(model.shapes()[used.shapes[i]].shape, used.expansions[i]));
-  }
-  body.poses.resize(body.shapes.size(), Pose::Identity());
-  return body;
-}
 
 std::vector<std::uint32_t> linksOf(const RobotModel& model,
                                    const std::vector<std::size_t>& shapes) {
@@ -24,10 +16,6 @@ std::vector<std::uint32_t> linksOf(const RobotModel& model,
     links.push_back(static_cast<std::uint32_t>(model.shapes()[i].link));
   }
   return links;
-}
-
-void place(const std::vector<std::size_t>& shapes, const std::vector<Pose>& poses, Body& body) {
-  for (std::size_t i = 0; i < shapes.size(); ++i) body.poses[i] = poses[shapes[i]];
 }
 
 }  // namespace
@@ -73,6 +61,15 @@ void PoseCheck::check(const CuboidMap& map, const std::vector<double>& positions
       std::any_of(hidden.links.begin(), hidden.links.end(),
                   [this](const LinkVisibility& link) { return occlusion_.isOccluded(link); });
   findings.occlusion_us = stopwatch.lapMicroseconds();
+}
+
+std::string PoseCheck::mostHiddenLink(const PoseFindings& findings) const {
+  const LinkVisibility* most = nullptr;
+  for (const LinkVisibility& link : findings.links) {
+    if (!occlusion_.isOccluded(link)) continue;
+    if (!most || link.visible_fraction < most->visible_fraction) most = &link;
+  }
+  return most ? model_->links()[most->link] : std::string();
 }
 
 }  // namespace tccm

@@ -6,8 +6,14 @@ const char* name(Reason reason) {
   switch (reason) {
     case Reason::kClear:
       return "CLEAR";
+    case Reason::kMovingOut:
+      return "MOVING_OUT";
     case Reason::kReleasing:
       return "RELEASING";
+    case Reason::kAwaitingReset:
+      return "AWAITING_RESET";
+    case Reason::kInit:
+      return "INIT";
     case Reason::kOcclusionAhead:
       return "OCCLUSION_AHEAD";
     case Reason::kOcclusion:
@@ -16,22 +22,28 @@ const char* name(Reason reason) {
       return "COLLISION_AHEAD";
     case Reason::kCollision:
       return "COLLISION";
-    case Reason::kInit:
-      return "INIT";
+    case Reason::kBadTrajectory:
+      return "BAD_TRAJECTORY";
     case Reason::kMapOverflow:
       return "MAP_OVERFLOW";
     case Reason::kNoMap:
       return "NO_MAP";
     case Reason::kMapLate:
       return "MAP_LATE";
+    case Reason::kBlind:
+      return "BLIND";
     case Reason::kNoJoints:
       return "NO_JOINTS";
     case Reason::kNoTransform:
       return "NO_TRANSFORM";
     case Reason::kFuture:
       return "FUTURE_STAMP";
+    case Reason::kCheckLate:
+      return "CHECK_LATE";
     case Reason::kNoClock:
       return "NO_CLOCK";
+    case Reason::kInternal:
+      return "INTERNAL";
     case Reason::kBadQuestion:
       return "BAD_QUESTION";
   }
@@ -40,7 +52,8 @@ const char* name(Reason reason) {
 
 Level levelOf(Reason reason) {
   if (reason == Reason::kClear) return Level::kOk;
-  return reason <= Reason::kCollision ? Level::kStop : Level::kFault;
+  if (reason == Reason::kMovingOut) return Level::kSlow;
+  return reason <= Reason::kBadTrajectory ? Level::kStop : Level::kFault;
 }
 
 }  // namespace tccm

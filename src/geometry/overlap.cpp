@@ -4,49 +4,12 @@
 #include <array>
 #include <cmath>
 
+#include "segment_box.h"
+
 namespace tccm {
 namespace {
 
 using Point2 = Eigen::Vector2d;
-
-/// Squared distance from origin + t * direction, t in [0, 1], to the box around 0. The squared
-/// distance is convex and piecewise quadratic in t, with breaks where a coordinate crosses a face:
-/// its minimum lies at a break, an end or a piece's own vertex.
-double squaredDistance(const Vector3& origin, const Vector3& direction, const Vector3& half) {
-  const auto outside = [&](double t) {
-    return Vector3(((origin + t * direction).cwiseAbs() - half).cwiseMax(0.0));
-  };
-  std::array<double, 8> breaks{0.0, 1.0};
-  std::size_t count = 2;
-  const auto insert = [&](double t) {  // keeps them rising; 0 stays the first
-    std::size_t k = count++;
-    for (; breaks[k - 1] > t; --k) breaks[k] = breaks[k - 1];
-    breaks[k] = t;
-  };
-  for (int i = 0; i < 3; ++i) {
-    if (direction[i] == 0.0) continue;
-    for (const double face : {-half[i], half[i]}) {
-      const double t = (face - origin[i]) / direction[i];
-      if (t > 0.0 && t < 1.0) insert(t);
-    }
-  }
-  double least = outside(1.0).squaredNorm();
-  for (std::size_t k = 0; k + 1 < count; ++k) {
-    const double middle = 0.5 * (breaks[k] + breaks[k + 1]);
-    double slope = 0.0;      // half the derivative of the squared distance at t = 0
-    double curvature = 0.0;  // half its second derivative
-    for (int i = 0; i < 3; ++i) {
-      const double x = origin[i] + middle * direction[i];
-      if (std::abs(x) <= half[i]) continue;
-      slope += direction[i] * (origin[i] - std::copysign(half[i], x));
-      curvature += direction[i] * direction[i];
-    }
-    const double vertex =
-        curvature > 0.0 ? std::clamp(-slope / curvature, breaks[k], breaks[k + 1]) : breaks[k];
-    least = std::min(least, outside(vertex).squaredNorm());
-  }
-  return least;
-}
 
 /// Twice the area of the triangle o, a, b; positive when it turns left.
 double turn(const Point2& o, const Point2& a, const Point2& b) {
@@ -117,7 +80,9 @@ struct Overlaps {
   bool operator()(const Capsule& c) const {
     const Vector3 half_axis = T_fixed_shape.linear().col(2) * c.half_length;
     const Vector3 start = T_fixed_shape.translation() - half_axis - box.center();
-    return squaredDistance(start, 2.0 * half_axis, 0.5 * box.sizes()) <= c.radius * c.radius;
+    const Vector3 half = 0.5 * box.sizes();
+    const double t = nearestOnSegment(start, 2.0 * half_axis, half);
+    return outside(start + 2.0 * t * half_axis, half).squaredNorm() <= c.radius * c.radius;
   }
 
   bool operator()(const Box& b) const {

@@ -11,6 +11,7 @@ namespace tccm {
 namespace {
 
 constexpr double kFixedTolerance = 0.01;  // [rad, m]
+constexpr double kMoving = 0.02;          // [rad/s, m/s]; less may be noise
 constexpr double kLargest = 1e6;  // [rad, m, 1/s]; beyond it is no joint's position or velocity
 
 }  // namespace
@@ -101,15 +102,27 @@ std::vector<std::string> JointStates::missingJoints() const {
   return missing;
 }
 
-double JointStates::velocityOf(const Track& track) const {
+double JointStates::differentiate(const Track& track) const {
   const Sample& newest = track.newest(0);
-  const double reported = std::abs(newest.velocity) <= kLargest ? newest.velocity : 0.0;
   double differentiated = 0.0;
   for (std::size_t k = 1; k < track.count; ++k) {
     const double dt = toSeconds(newest.stamp - track.newest(k).stamp);
     if (dt > std::max(config_.gap_max_s, config_.velocity_baseline_s) && k > 1) break;
     differentiated = (newest.position - track.newest(k).position) / dt;
     if (dt >= config_.velocity_baseline_s) break;
+  }
+  return differentiated;
+}
+
+double JointStates::velocityOf(std::size_t joint) {
+  const Track& track = tracks_[joint];
+  const double differentiated = differentiate(track);
+  const bool is_reported = std::abs(track.newest(0).velocity) <= kLargest;
+  const double reported = is_reported ? track.newest(0).velocity : 0.0;
+  if (velocity_defect_.empty() && reported == 0.0 &&
+      (!is_reported || std::abs(differentiated) > kMoving)) {
+    velocity_defect_ = "joint '" + names_[joint] + "' is published " +
+                       (is_reported ? "with velocity 0 while it moves" : "without a velocity");
   }
   return std::abs(reported) >= std::abs(differentiated) ? reported : differentiated;
 }
@@ -121,7 +134,7 @@ const JointSnapshot* JointStates::latest() {
     snapshot_.oldest = std::min(snapshot_.oldest, tracks_[i].newest(0).stamp);
     snapshot_.newest = std::max(snapshot_.newest, tracks_[i].newest(0).stamp);
     snapshot_.positions[i] = tracks_[i].newest(0).position;
-    snapshot_.velocities[i] = velocityOf(tracks_[i]);
+    snapshot_.velocities[i] = velocityOf(i);
   }
   return &snapshot_;
 }

@@ -1,7 +1,6 @@
 #include "tccm_monitor/ros/collision_checker.h"
 
 #include <sensor_msgs/Image.h>
-#include <std_msgs/Bool.h>
 #include <visualization_msgs/MarkerArray.h>
 
 #include <algorithm>
@@ -12,49 +11,23 @@
 #include "tccm_monitor/ros/markers.h"
 #include "tccm_monitor/ros/refusal.h"
 #include "tccm_monitor/ros/robot_description.h"
+#include "tccm_monitor/ros/status_conversions.h"
 #include "tccm_monitor/stopwatch.h"
 
 namespace tccm {
 namespace {
 
 constexpr double kClockStallMax = 0.5;  // [s] of wall time; recordings' clocks come in bursts
+constexpr double kLatencyMax = 0.2;  // [s] by which margins grow; a slower machine is late anyway
+constexpr double kLatencyForgotten = 0.99;  // kept of the longest latency at each new map
 
-constexpr const char* kNoTimeYet = "simulated time has not begun";
-
-std_msgs::Bool flag(bool value) {
-  std_msgs::Bool message;
-  message.data = value;
-  return message;
-}
-
-void write(const Checker::Config& config, tccm_monitor::CollisionCheckerConfig& shown) {
-  shown.collision_padding_m = config.pose.collision_use.expansion.padding_m;
-  shown.primitive_scale = config.pose.collision_use.expansion.scale;
-  shown.horizon_s = config.horizon_s;
-  shown.support_points = config.pose.collision.support_points;
-  shown.check_occlusion = config.pose.check_occlusion;
-  shown.occlusion_hidden_fraction = config.pose.occlusion.hidden_fraction;
-  shown.release_s = config.release_s;
-}
-
-std::uint8_t resultOf(Reason reason) {
-  using Response = tccm_monitor::CheckState::Response;
-  switch (reason) {
-    case Reason::kClear:
-      return Response::FREE;
-    case Reason::kCollision:
-    case Reason::kCollisionAhead:
-      return Response::COLLISION;
-    case Reason::kOcclusion:
-    case Reason::kOcclusionAhead:
-      return Response::OCCLUDED;
-    case Reason::kInit:
-    case Reason::kReleasing:
-    case Reason::kBadQuestion:
-      return Response::UNKNOWN;
-    default:
-      return Response::FAULT;
-  }
+ScanReport fromMessage(const tccm_monitor::ScanReport& message) {
+  using Outcome = ScanReport::Outcome;
+  const Outcome outcome = message.outcome == tccm_monitor::ScanReport::WAITING ? Outcome::kWaiting
+                          : message.outcome == tccm_monitor::ScanReport::ASSEMBLED
+                              ? Outcome::kAssembled
+                              : Outcome::kDropped;
+  return {toTime(message.header.stamp), outcome, message.dropped};
 }
 
 }  // namespace
@@ -67,42 +40,63 @@ void CollisionChecker::setUp() {
   ros::NodeHandle& node = getNodeHandle();
   settings_ = readFromServer(getPrivateNodeHandle(), readCheckerSettings);
   checker_ = std::make_unique<Checker>(sharedRobotModel(node), settings_.checker);
+  NODELET_INFO("Self-test passed: a cuboid in any of %zu primitives is found.",
+               checker_->poseCheckNow().collisionShapes().size());
   attachments_ = std::make_unique<Attachments>(node, settings_, *checker_);
+  services_ = std::make_unique<CheckerServices>(node, *checker_);
   for (auto& map : maps_) map = std::make_shared<CuboidMap>();
-  stop_publisher_ = node.advertise<std_msgs::Bool>("stop", 10);
-  collision_publisher_ = node.advertise<std_msgs::Bool>("collision", 10);
-  occlusion_publisher_ = node.advertise<std_msgs::Bool>("occlusion", 10);
+  becomeFault(Reason::kInit, "nothing was checked yet");
+  const ros::Duration valid_for(settings_.permission_valid_periods / settings_.publish_rate_hz);
+  permission_ = std::make_unique<PermissionPublisher>(node, settings_.fixed_frame, valid_for);
   status_publisher_ = node.advertise<tccm_monitor::MonitorStatus>("monitor_status", 10);
   marker_publisher_ = node.advertise<visualization_msgs::MarkerArray>("robot_markers", 2);
   image_publisher_ = node.advertise<sensor_msgs::Image>("occlusion_image", 2);
+  setUpDiagnostics();
   transforms_ = std::make_unique<TransformListener>(
-      node, fromSeconds(settings_.checker.transform_timeout_s), [this] { receiveTransforms(); });
+      node, fromSeconds(settings_.checker.inputs.transform_timeout_s),
+      [this] { receiveTransforms(); });
   const auto hints = ros::TransportHints().tcpNoDelay();
   map_subscriber_ = node.subscribe("cuboid_map", 10, &CollisionChecker::receiveMap, this, hints);
+  report_subscriber_ =
+      node.subscribe("scan_report", 50, &CollisionChecker::receiveReport, this, hints);
   joints_subscriber_ =
       node.subscribe("joint_states", 200, &CollisionChecker::receiveJoints, this, hints);
-  state_service_ = node.advertiseService("check_state", &CollisionChecker::checkState, this);
-  setUpReconfiguration();
+  trajectory_subscriber_ =
+      node.subscribe("trajectory", 20, &CollisionChecker::receiveTrajectory, this, hints);
+  tuning_ = std::make_unique<Tuning>(getPrivateNodeHandle(), getName(), settings_, *checker_);
   publish_timer_ = node.createWallTimer(ros::WallDuration(1.0 / settings_.publish_rate_hz),
                                         [this](const ros::WallTimerEvent&) {
-                                          checker_->setClockStalls(clockStalls());
+                                          checker_->inputs().setClockStalls(clockStalls());
                                           attachments_->hurry();
                                           check();
                                           publish();
                                         });
   picture_timer_ = node.createWallTimer(ros::WallDuration(1.0 / settings_.marker_rate_hz),
                                         [this](const ros::WallTimerEvent&) { publishPictures(); });
+}
+
+void CollisionChecker::setUpDiagnostics() {
+  ros::NodeHandle& node = getNodeHandle();
   diagnostics_ =
       std::make_unique<diagnostic_updater::Updater>(node, getPrivateNodeHandle(), getName());
   diagnostics_->setHardwareID("none");
   diagnostics_->add("verdict", this, &CollisionChecker::diagnose);
+  const CheckInputs::Config& limits = settings_.checker.inputs;
+  joints_rate_ = std::make_unique<InputDiagnostics>(*diagnostics_, "joint_states",
+                                                    1.0 / limits.joint_timeout_s,
+                                                    limits.joint_timeout_s, limits.future_max_s);
+  scan_rate_ = std::make_unique<InputDiagnostics>(*diagnostics_, "scan", 1.0 / limits.map_age_max_s,
+                                                  limits.map_age_max_s, limits.future_max_s);
+  map_rate_ =
+      std::make_unique<InputDiagnostics>(*diagnostics_, "cuboid_map", 1.0 / limits.map_age_max_s,
+                                         limits.map_age_max_s, limits.future_max_s);
   diagnostics_timer_ = node.createWallTimer(
       ros::WallDuration(0.5), [this](const ros::WallTimerEvent&) { diagnostics_->update(); });
 }
 
 void CollisionChecker::receiveMap(const tccm_monitor::CuboidMap::ConstPtr& message) {
   newest_map_ = 1 - newest_map_;
-  map_defect_ = fromMessage(*message, *maps_[newest_map_]);
+  map_defect_ = tccm::fromMessage(*message, *maps_[newest_map_]);
   if (map_defect_.empty() &&
       withoutSlash(message->header.frame_id) != withoutSlash(settings_.fixed_frame)) {
     map_defect_ = "its frame is '" + message->header.frame_id + "', fixed_frame is '" +
@@ -110,18 +104,41 @@ void CollisionChecker::receiveMap(const tccm_monitor::CuboidMap::ConstPtr& messa
   }
   if (!map_defect_.empty()) {
     newest_map_ = 1 - newest_map_;
+    ++maps_dropped_;
     NODELET_ERROR_THROTTLE(5.0, "A cuboid_map was dropped: %s.", map_defect_.c_str());
     return;
   }
+  map_rate_->tick(message->header.stamp);
   checker_->setMap(toTime(ros::Time::now()), maps_[newest_map_]);
   attachments_->mapCame(message->attached_stamp,
                         toRos(toTime(message->header.stamp) - Duration(message->window.toNSec())));
   check();
+  permission_->publish(*verdict_, ros::Time::now());
+  noteLatency();
+}
+
+void CollisionChecker::receiveReport(const tccm_monitor::ScanReport::ConstPtr& message) {
+  const ScanReport report = fromMessage(*message);
+  if (report.outcome == ScanReport::Outcome::kWaiting) scan_rate_->tick(message->header.stamp);
+  if (report.outcome == ScanReport::Outcome::kDropped) ++scans_dropped_[report.dropped];
+  if (report.outcome == ScanReport::Outcome::kAssembled) assembled_ = *message;
+  checker_->inputs().addScanReport(toTime(ros::Time::now()), report);
 }
 
 void CollisionChecker::receiveJoints(const sensor_msgs::JointState::ConstPtr& message) {
-  checker_->addJoints(toTime(message->header.stamp), message->name, message->position,
-                      message->velocity);
+  joints_rate_->tick(message->header.stamp);
+  checker_->addJoints(toTime(ros::Time::now()), toTime(message->header.stamp), message->name,
+                      message->position, message->velocity);
+  check();
+}
+
+void CollisionChecker::receiveTrajectory(
+    const trajectory_msgs::JointTrajectory::ConstPtr& message) {
+  const ros::Time now = ros::Time::now();
+  if (now.isZero()) return;
+  const std::string defect = checker_->command(toTime(now), tccm::fromMessage(*message));
+  if (!defect.empty())
+    NODELET_ERROR("A commanded trajectory is not understood: %s.", defect.c_str());
   check();
 }
 
@@ -135,23 +152,58 @@ void CollisionChecker::receiveTransforms() {
   }
 }
 
-void CollisionChecker::check() {
-  const ros::Time now = ros::Time::now();
-  if (now + ros::Duration(settings_.checker.future_max_s) < checked_) {
-    attachments_->timeJumpedBack();
-  }
-  checked_ = now;
-  if (now.isZero()) {  // simulated time has not begun, or begins anew
-    checker_->reset();
-    verdict_ = nullptr;
-    return;
-  }
+void CollisionChecker::placeRootsInFixedFrame() {
   // Where fixed frame and a root are one, no transform has to be heard.
   const RobotModel& model = checker_->model();
   for (std::size_t i = 0; i < model.roots().size(); ++i) {
     if (model.links()[model.roots()[i]] != withoutSlash(settings_.fixed_frame)) continue;
     checker_->setRootPose(i, Time(), Pose::Identity(), true);
   }
+}
+
+void CollisionChecker::becomeFault(Reason reason, const std::string& detail) {
+  fault_ = Verdict();
+  fault_.level = levelOf(reason);
+  fault_.reason = reason;
+  fault_.reasons = {reason};
+  fault_.detail = detail;
+  verdict_ = &fault_;
+}
+
+Cause CollisionChecker::outsideCause() const {
+  Cause cause;
+  if (const char* unknown = attachments_->unknown()) cause = {Reason::kInit, unknown};
+  const double limit_us = 1e6 * settings_.check_time_max_periods / settings_.publish_rate_hz;
+  if (check_us_ > limit_us) {
+    cause = {Reason::kCheckLate,
+             "the last check took " + std::to_string(static_cast<long>(check_us_)) +
+                 " us, at most " + std::to_string(static_cast<long>(limit_us)) + " are allowed"};
+  }
+  return cause;
+}
+
+void CollisionChecker::check() {
+  try {
+    checkNow(ros::Time::now());
+  } catch (const std::exception& error) {  // silence would be worse
+    NODELET_ERROR_THROTTLE(1.0, "The check failed: %s.", error.what());
+    becomeFault(Reason::kInternal, error.what());
+  }
+  tellChange(*verdict_);
+  if (verdict_->level > published_) publish();
+}
+
+void CollisionChecker::checkNow(const ros::Time& now) {
+  if (now + ros::Duration(settings_.checker.inputs.future_max_s) < checked_) {
+    attachments_->timeJumpedBack();
+  }
+  checked_ = now;
+  if (now.isZero()) {  // simulated time has not begun, or begins anew
+    checker_->startAnew();
+    return becomeFault(Reason::kInit, "simulated time has not begun");
+  }
+  placeRootsInFixedFrame();
+  checker_->setOutsideCause(outsideCause());
   Stopwatch stopwatch;
   verdict_ = &checker_->check(toTime(now));
   check_us_ = stopwatch.lapMicroseconds();
@@ -159,21 +211,53 @@ void CollisionChecker::check() {
   ++checks_;
   if (checker_->map() && verdict_->serial != seen_serial_) {
     seen_serial_ = verdict_->serial;
-    scan_to_verdict_s_ = toSeconds(verdict_->stamp - checker_->map()->stamp);
+    latencies_.scan_to_verdict_s = toSeconds(verdict_->stamp - checker_->map()->stamp);
   }
-  tellChange(*verdict_);
-  if (verdict_->level > published_) publish();
+  tellOnce();
+}
+
+void CollisionChecker::noteLatency() {
+  if (!checker_->map() || toTime(assembled_.header.stamp) != checker_->map()->stamp) return;
+  latencies_.transform_wait_s = static_cast<double>(assembled_.transform_wait_s);
+  latencies_.ready_to_verdict_s =
+      (ros::WallTime::now() - ros::WallTime(assembled_.ready_wall.sec, assembled_.ready_wall.nsec))
+          .toSec();
+  latencies_.longest_s = std::clamp(kLatencyForgotten * latencies_.longest_s,
+                                    latencies_.ready_to_verdict_s, kLatencyMax);
+  checker_->setLatency(latencies_.longest_s);
 }
 
 void CollisionChecker::tellChange(const Verdict& verdict) {
   if (told_anything_ && verdict.reason == told_) return;
   told_anything_ = true;
   told_ = verdict.reason;
-  if (verdict.level == Level::kOk) {
-    NODELET_INFO("OK: the robot may move.");
-  } else {
-    NODELET_WARN("STOP %s: %s.", tccm::name(verdict.reason), verdict.detail.c_str());
+  const char* reason = tccm::name(verdict.reason);
+  switch (verdict.level) {
+    case Level::kOk:
+      NODELET_INFO("OK: the robot may move.");
+      break;
+    case Level::kSlow:
+      NODELET_INFO("SLOW %s: %s.", reason, verdict.detail.c_str());
+      break;
+    case Level::kStop:
+      NODELET_WARN("STOP %s: %s.", reason, verdict.detail.c_str());
+      break;
+    case Level::kFault:
+      NODELET_WARN("FAULT %s: %s.", reason, verdict.detail.c_str());
+      break;
   }
+}
+
+void CollisionChecker::tellOnce() {
+  const std::string& defect = checker_->inputs().jointStates().velocityDefect();
+  if (!told_velocity_ && !defect.empty()) {
+    told_velocity_ = true;
+    NODELET_WARN("Velocities are taken from positions where they are larger: %s.", defect.c_str());
+  }
+  const std::size_t abandoned = checker_->commanded().abandoned();
+  if (abandoned == told_abandoned_) return;
+  told_abandoned_ = abandoned;
+  NODELET_WARN("The robot does not follow the commanded trajectory: it is not looked at any more.");
 }
 
 bool CollisionChecker::clockStalls() {
@@ -185,39 +269,20 @@ bool CollisionChecker::clockStalls() {
 }
 
 void CollisionChecker::publish() {
-  const char* unknown = attachments_->unknown();
-  const bool known = verdict_ && verdict_->known && !unknown;
-  const bool stop = !verdict_ || verdict_->stop || unknown;
-  published_ = verdict_ ? verdict_->level : Level::kFault;
-  if (unknown) published_ = std::max(published_, Level::kStop);
-  stop_publisher_.publish(flag(stop));
-  // What is not known is not clear.
-  collision_publisher_.publish(flag(!known || verdict_->collision));
-  occlusion_publisher_.publish(flag(!known || verdict_->occlusion));
+  published_ = verdict_->level;
+  permission_->publish(*verdict_, ros::Time::now());
   tccm_monitor::MonitorStatus status;
-  if (verdict_) {
-    toMessage(*verdict_, *checker_, status);
-  } else {
-    status.level = tccm_monitor::MonitorStatus::STOP;
-    status.stop = true;
-    status.reason = tccm::name(Reason::kInit);
-    status.detail = kNoTimeYet;
-  }
-  if (unknown && status.level == tccm_monitor::MonitorStatus::OK) {
-    status.level = tccm_monitor::MonitorStatus::STOP;
-    status.reason = tccm::name(Reason::kInit);
-    status.detail = unknown;
-  }
-  status.stop = stop;
-  status.known = known;
+  toMessage(*verdict_, *checker_, status);
   status.header.frame_id = withoutSlash(settings_.fixed_frame);
-  status.scan_to_verdict_s = static_cast<float>(scan_to_verdict_s_);
+  status.scan_to_verdict_s = static_cast<float>(latencies_.scan_to_verdict_s);
+  status.transform_wait_s = static_cast<float>(latencies_.transform_wait_s);
+  status.ready_to_verdict_s = static_cast<float>(latencies_.ready_to_verdict_s);
   status.check_us = static_cast<float>(check_us_);
   status_publisher_.publish(status);
 }
 
 void CollisionChecker::publishPictures() {
-  if (!verdict_) return;
+  if (verdict_ == &fault_) return;
   if (marker_publisher_.getNumSubscribers() > 0) {
     visualization_msgs::MarkerArray markers;
     toMarkers(*verdict_, *checker_, withoutSlash(settings_.fixed_frame), markers);
@@ -232,82 +297,33 @@ void CollisionChecker::publishPictures() {
   }
 }
 
-bool CollisionChecker::checkState(tccm_monitor::CheckState::Request& request,
-                                  tccm_monitor::CheckState::Response& response) {
-  if (ros::Time::now().isZero()) {
-    response.result = tccm_monitor::CheckState::Response::UNKNOWN;
-    response.reason = tccm::name(Reason::kInit);
-    response.detail = kNoTimeYet;
-    return true;
-  }
-  if (const char* unknown = attachments_->unknown()) {
-    response.result = tccm_monitor::CheckState::Response::UNKNOWN;
-    response.reason = tccm::name(Reason::kInit);
-    response.detail = unknown;
-    return true;
-  }
-  const Time now = toTime(ros::Time::now());
-  const Checker::StateAnswer answer =
-      checker_->checkState(now, request.state.name, request.state.position);
-  response.result = resultOf(answer.reason);
-  response.reason = answer.reason == Reason::kClear ? "FREE" : tccm::name(answer.reason);
-  response.detail = answer.detail;
-  response.link = answer.link;
-  if (const CuboidMap* map = checker_->map()) {
-    response.map_stamp = toRos(map->stamp);
-    response.map_age = toRos(now - map->stamp);
-  }
-  return true;
-}
-
-void CollisionChecker::setUpReconfiguration() {
-  reconfiguration_ = std::make_unique<dynamic_reconfigure::Server<Reconfiguration>>(
-      reconfiguration_mutex_, getPrivateNodeHandle());
-  Reconfiguration current;
-  reconfiguration_->getConfigDefault(current);
-  write(settings_.checker, current);
-  reconfiguration_->updateConfig(current);
-  reconfiguration_->setCallback(
-      [this](Reconfiguration& wanted, std::uint32_t level) { reconfigure(wanted, level); });
-}
-
-void CollisionChecker::reconfigure(Reconfiguration& wanted, std::uint32_t /*level*/) {
-  Checker::Config config = checker_->config();
-  config.pose.collision_use.expansion.padding_m = wanted.collision_padding_m;
-  config.pose.collision_use.expansion.scale = wanted.primitive_scale;
-  config.horizon_s = wanted.horizon_s;
-  config.pose.collision.support_points = wanted.support_points;
-  config.pose.check_occlusion = wanted.check_occlusion;
-  config.pose.occlusion.hidden_fraction = wanted.occlusion_hidden_fraction;
-  config.release_s = wanted.release_s;
-  try {
-    checker_->reconfigure(config);
-  } catch (const ConfigError& error) {
-    NODELET_ERROR("Refused: %s", error.what());
-    write(checker_->config(), wanted);  // what is shown is what is in force
-  }
-}
-
 void CollisionChecker::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
-  if (!verdict_) {
-    status.summary(DiagnosticStatus::ERROR, kNoTimeYet);
-    return;
-  }
   const Level level = verdict_->level;
-  status.summary(level == Level::kOk     ? DiagnosticStatus::OK
-                 : level == Level::kStop ? DiagnosticStatus::WARN
-                                         : DiagnosticStatus::ERROR,
+  status.summary(level == Level::kOk      ? DiagnosticStatus::OK
+                 : level == Level::kFault ? DiagnosticStatus::ERROR
+                                          : DiagnosticStatus::WARN,
                  std::string(tccm::name(verdict_->reason)) + " " + verdict_->detail);
+  status.add("speed scale", verdict_->speed_scale);
   status.add("checks", checks_);
   status.add("check [us]", check_us_);
   status.add("check, longest [us]", check_us_max_);
-  status.add("scan to verdict [s]", scan_to_verdict_s_);
+  status.add("poses on the way ahead", verdict_->way_poses);
+  status.add("scan to verdict [s]", latencies_.scan_to_verdict_s);
+  status.add("of that, waiting for transforms [s]", latencies_.transform_wait_s);
+  status.add("scan and transforms to permission [s]", latencies_.ready_to_verdict_s);
+  status.add("the same, longest lately [s]", latencies_.longest_s);
   if (const CuboidMap* map = checker_->map()) {
     status.add("map age [s]", toSeconds(verdict_->stamp - map->stamp));
+    status.add("map covers [s]", toSeconds(map->window));
+    status.add("map holds a whole sweep", map->complete ? "yes" : "no");
     status.add("cuboids", map->cuboids.size());
   }
+  status.add("joint states dropped: stamped in the future", checker_->inputs().futureJoints());
+  status.add("cuboid_maps dropped", maps_dropped_);
   if (!map_defect_.empty()) status.add("last cuboid_map dropped", map_defect_);
+  for (const auto& [reason, count] : scans_dropped_) status.add("scans dropped: " + reason, count);
+  status.add("exemptions", checker_->exemptions().list().size());
 }
 
 }  // namespace tccm

@@ -12,9 +12,6 @@ namespace tccm {
 namespace {
 
 using sensor_msgs::PointField;
-using tccm_monitor::CuboidFlag;
-using tccm_monitor::LinkStatus;
-using tccm_monitor::MonitorStatus;
 
 /// One point of scan_cloud, as its fields are laid out.
 struct CloudPoint {
@@ -67,48 +64,6 @@ geometry_msgs::Point toPoint(const Vector3& p) {
   point.y = p.y();
   point.z = p.z();
   return point;
-}
-
-void addLinks(const PoseFindings& findings, bool ahead, const Checker& checker,
-              MonitorStatus& message) {
-  const RobotModel& model = checker.model();
-  const std::size_t first = message.links.size();
-  const auto entryOf = [&](const std::string& link) -> LinkStatus& {
-    for (std::size_t i = first; i < message.links.size(); ++i) {
-      if (message.links[i].link == link) return message.links[i];
-    }
-    message.links.emplace_back();
-    message.links.back().link = link;
-    message.links.back().ahead = ahead;
-    message.links.back().visible_fraction = 1.0F;
-    return message.links.back();
-  };
-  for (const LinkVisibility& visibility : findings.links) {
-    LinkStatus& entry = entryOf(model.links()[visibility.link]);
-    entry.visible_fraction = static_cast<float>(visibility.visible_fraction);
-    entry.occlusion = checker.poseCheckNow().isOccluded(visibility);
-  }
-  for (const Contact& contact : findings.contacts) {
-    entryOf(model.linkOf(contact.shape)).collision = true;
-  }
-}
-
-void addFlags(const PoseFindings& findings, const CuboidMap& map, MonitorStatus& message) {
-  const auto add = [&](std::uint32_t index, std::uint8_t col) {
-    const Cuboid& cuboid = map.cuboids[index];
-    CuboidFlag flag;
-    flag.cell = cuboid.cell;
-    flag.bottom = static_cast<float>(map.grid.metres(cuboid.bottom));
-    flag.top = static_cast<float>(map.grid.metres(cuboid.top));
-    flag.col = col;
-    message.flagged.push_back(flag);
-  };
-  for (const Contact& contact : findings.contacts) {
-    add(contact.cuboid, tccm_monitor::Cuboid::COLLISION);
-  }
-  for (const std::uint32_t index : findings.occluding_cuboids) {
-    add(index, tccm_monitor::Cuboid::OCCLUSION);
-  }
 }
 
 Grid::Config gridOf(const tccm_monitor::CuboidMap& message) {
@@ -175,6 +130,15 @@ LaserScan fromMessage(const sensor_msgs::LaserScan& message) {
   scan.range_max = message.range_max;
   scan.ranges = message.ranges;
   return scan;
+}
+
+JointTrajectory fromMessage(const trajectory_msgs::JointTrajectory& message) {
+  JointTrajectory trajectory{message.joint_names, {}};
+  for (const auto& point : message.points) {
+    trajectory.points.push_back(
+        {point.time_from_start.toSec(), point.positions, point.velocities, point.accelerations});
+  }
+  return trajectory;
 }
 
 void toMessage(const AssembledScan& scan, const std::string& frame,
@@ -286,36 +250,6 @@ std::string fromMessage(const tccm_monitor::CuboidMap& message, CuboidMap& map) 
   std::string defect = fromMessages(message.cuboids, map);
   if (defect.empty()) indexCells(map);
   return defect;
-}
-
-void toMessage(const Verdict& verdict, const Checker& checker,
-               tccm_monitor::MonitorStatus& message) {
-  message.header.stamp = toRos(verdict.stamp);
-  message.level = static_cast<std::uint8_t>(verdict.level);
-  message.reason = name(verdict.reason);
-  message.detail = verdict.detail;
-  message.link = verdict.link;
-  message.known = verdict.known;
-  message.stop = verdict.stop;
-  message.collision = verdict.collision;
-  message.occlusion = verdict.occlusion;
-  message.serial = verdict.serial;
-  message.joints_stamp = toRos(verdict.joints_stamp);
-  message.attached_objects.clear();
-  for (const AttachedObject& object : checker.attached()) {
-    message.attached_objects.push_back(object.name);
-  }
-  message.links.clear();
-  message.flagged.clear();
-  addLinks(verdict.now, false, checker, message);
-  addLinks(verdict.ahead, true, checker, message);
-  const CuboidMap* map = checker.map();
-  message.map_stamp = map ? toRos(map->stamp) : ros::Time();
-  message.cuboids = map ? static_cast<std::uint32_t>(map->cuboids.size()) : 0;
-  message.window_scans = map ? map->window_scans : 0;
-  if (!map) return;
-  addFlags(verdict.now, *map, message);
-  addFlags(verdict.ahead, *map, message);
 }
 
 }  // namespace tccm

@@ -21,6 +21,7 @@ ScanSource::ScanSource(const AssemblerSettings& settings,
       beams_max_(settings.assembler.scan_beams_max),
       step_(fromSeconds(settings.transform_sample_s)),
       wait_max_(fromSeconds(settings.transform_wait_max_s)),
+      future_max_(fromSeconds(settings.future_max_s)),
       transforms_(transforms) {
   ready_.T_fixed_roots.resize(root_frames_.size());
 }
@@ -28,15 +29,24 @@ ScanSource::ScanSource(const AssemblerSettings& settings,
 std::string ScanSource::add(LaserScan scan, const std::string& frame, Time arrival) {
   std::string defect = defectOf(scan, beams_max_);
   if (!defect.empty()) {
-    ++dropped_["malformed"];
+    countDrop(scan.stamp, "malformed");
     return defect;
   }
+  if (scan.stamp - arrival > future_max_) {
+    countDrop(scan.stamp, "future_stamp");
+    return "it is stamped in the future";
+  }
   if (waiting_.size() == kWaitingMax) {
+    countDrop(waiting_.front().scan.stamp, "no_transform");
     waiting_.pop_front();
-    ++dropped_["no_transform"];
   }
   waiting_.push_back({std::move(scan), withoutSlash(frame), arrival});
   return defect;
+}
+
+void ScanSource::countDrop(Time stamp, const std::string& reason) {
+  ++dropped_[reason];
+  if (told_) told_(stamp, reason);
 }
 
 void ScanSource::clear() { waiting_.clear(); }
@@ -59,7 +69,7 @@ Status ScanSource::place(Waiting& waiting, const JointStates* joints) {
 const ScanSource::Ready* ScanSource::next(const JointStates* joints, Time now) {
   while (!waiting_.empty()) {
     if (now < waiting_.front().arrival) {  // time began anew
-      ++dropped_["time_jump"];
+      countDrop(waiting_.front().scan.stamp, "time_jump");
       waiting_.pop_front();
       continue;
     }
@@ -69,12 +79,13 @@ const ScanSource::Ready* ScanSource::next(const JointStates* joints, Time now) {
     waiting_.pop_front();
     if (status == Status::kFound) {
       ready_.scan = std::move(scan.scan);
+      ready_.arrival = scan.arrival;
       return &ready_;
     }
     const bool joints_missing =
         joints && status == Status::kNotYet &&
         (!joints->answersUntil() || *joints->answersUntil() < scan.scan.lastBeamTime());
-    ++dropped_[joints_missing ? "no_joint_states" : TransformHistory::name(status)];
+    countDrop(scan.scan.stamp, joints_missing ? "no_joint_states" : TransformHistory::name(status));
   }
   return nullptr;
 }
@@ -86,7 +97,7 @@ std::size_t ScanSource::droppedCount() const {
 }
 
 void ScanSource::drain() {
-  if (!waiting_.empty()) dropped_["no_transform"] += waiting_.size();
+  for (const Waiting& waiting : waiting_) countDrop(waiting.scan.stamp, "no_transform");
   waiting_.clear();
 }
 

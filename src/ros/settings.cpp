@@ -57,6 +57,46 @@ void read(Parameters& parameters, PoseCheck::Config& config) {
   parameters.read("occlusion_silhouette_min_pixels", config.occlusion.silhouette_min_pixels);
 }
 
+void read(Parameters& parameters, CheckInputs::Config& config) {
+  read(parameters, config.joints);
+  parameters.read("joint_timeout_s", config.joint_timeout_s);
+  parameters.read("transform_timeout_s", config.transform_timeout_s);
+  parameters.read("scan_timeout_periods", config.scan_timeout_periods);
+  parameters.read("map_age_max_s", config.map_age_max_s);
+  parameters.read("future_max_s", config.future_max_s);
+  parameters.read("transform_future_max_s", config.transform_future_max_s);
+}
+
+void read(Parameters& parameters, WayAhead::Config& config) {
+  parameters.read("horizon_s", config.horizon_s);
+  parameters.read("way_step_m", config.step_m);
+  parameters.read("stop_time_s", config.stop_time_s);
+  parameters.read("reaction_time_s", config.reaction_time_s);
+  parameters.read("deceleration_mps2", config.deceleration_mps2);
+  parameters.read("margin_max_m", config.margin_max_m);
+  parameters.read("slow_scale_min", config.slow_scale_min);
+  parameters.read("moving_out_scale", config.moving_out_scale);
+}
+
+void read(Parameters& parameters, Checker::Config& config) {
+  read(parameters, config.pose);
+  read(parameters, config.inputs);
+  read(parameters, config.way);
+  parameters.read("occlusion_stops", config.occlusion_stops);
+  parameters.read("occlusion_slow_scale", config.occlusion_slow_scale);
+  parameters.read("clearance_radius_m", config.clearance_radius_m);
+  parameters.read("trajectory_step_m", config.trajectory_step_m);
+  parameters.read("trajectory_occlusion_poses", config.trajectory_occlusion_poses);
+  parameters.read("trajectory_deviation_max", config.trajectories.deviation_max);
+  parameters.read("trajectory_points_max", config.trajectories.points_max);
+  parameters.read("release_s", config.permission.release_s);
+  parameters.read("release_checks", config.permission.release_checks);
+  parameters.read("hold_until_reset", config.permission.hold_until_reset);
+  parameters.read("speed_scale_rise_per_s", config.permission.speed_scale_rise_per_s);
+  parameters.read("exemption_max_s", config.exemptions.duration_max_s);
+  parameters.read("exemptions_max", config.exemptions.count_max);
+}
+
 YAML::Node loadFile(const std::string& path) {
   if (path.empty()) return {};
   try {
@@ -109,6 +149,7 @@ AssemblerSettings readAssemblerSettings(Parameters& parameters) {
   parameters.read("transform_gap_max_s", settings.transform_gap_max_s);
   parameters.read("transform_sample_s", settings.transform_sample_s);
   parameters.read("transform_wait_max_s", settings.transform_wait_max_s);
+  parameters.read("future_max_s", settings.future_max_s);
   parameters.read("marker_rate_hz", settings.marker_rate_hz);
   requireFrame(settings.fixed_frame);
   settings.assembler.validate();
@@ -116,6 +157,7 @@ AssemblerSettings readAssemblerSettings(Parameters& parameters) {
   requireInRange("transform_gap_max_s", settings.transform_gap_max_s, 0.001, 10.0);
   requireInRange("transform_sample_s", settings.transform_sample_s, 1e-4, 1.0);
   requireInRange("transform_wait_max_s", settings.transform_wait_max_s, 0.001, 10.0);
+  requireInRange("future_max_s", settings.future_max_s, 0.0, 10.0);
   requireInRange("marker_rate_hz", settings.marker_rate_hz, 0.1, 100.0);
   return settings;
 }
@@ -146,26 +188,25 @@ CheckerSettings readCheckerSettings(Parameters& parameters) {
   CheckerSettings settings;
   Checker::Config& checker = settings.checker;
   parameters.read("fixed_frame", settings.fixed_frame);
-  read(parameters, checker.pose);
-  read(parameters, checker.joints);
-  checker.fixed_frame = settings.fixed_frame;
-  parameters.read("horizon_s", checker.horizon_s);
-  parameters.read("joint_timeout_s", checker.joint_timeout_s);
-  parameters.read("transform_timeout_s", checker.transform_timeout_s);
-  parameters.read("scan_timeout_periods", checker.scan_timeout_periods);
-  parameters.read("map_age_max_s", checker.map_age_max_s);
-  parameters.read("future_max_s", checker.future_max_s);
-  parameters.read("transform_future_max_s", checker.transform_future_max_s);
-  parameters.read("release_s", checker.release_s);
+  read(parameters, checker);
+  checker.inputs.fixed_frame = settings.fixed_frame;
   parameters.read("attach_forget_padding_m", settings.attach_forget_padding_m);
   parameters.read("attach_forget_s", settings.attach_forget_s);
   parameters.read("publish_rate_hz", settings.publish_rate_hz);
+  parameters.read("permission_valid_periods", settings.permission_valid_periods);
+  parameters.read("check_time_max_periods", settings.check_time_max_periods);
+  parameters.read("tuning_padding_min_m", settings.tuning_padding_min_m);
+  parameters.read("tuning_stop_time_min_s", settings.tuning_stop_time_min_s);
   parameters.read("marker_rate_hz", settings.marker_rate_hz);
   requireFrame(settings.fixed_frame);
   checker.validate();
   requireInRange("attach_forget_padding_m", settings.attach_forget_padding_m, 0.0, 1.0);
   requireInRange("attach_forget_s", settings.attach_forget_s, 0.0, 10.0);
   requireInRange("publish_rate_hz", settings.publish_rate_hz, 1.0, 1000.0);
+  requireInRange("permission_valid_periods", settings.permission_valid_periods, 1.0, 3.0);
+  requireInRange("check_time_max_periods", settings.check_time_max_periods, 1e-6, 100.0);
+  requireInRange("tuning_padding_min_m", settings.tuning_padding_min_m, 0.0, 1.0);
+  requireInRange("tuning_stop_time_min_s", settings.tuning_stop_time_min_s, 0.0, 10.0);
   requireInRange("marker_rate_hz", settings.marker_rate_hz, 0.1, 100.0);
   return settings;
 }

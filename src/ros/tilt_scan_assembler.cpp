@@ -2,6 +2,7 @@
 
 #include <visualization_msgs/MarkerArray.h>
 
+#include <algorithm>
 #include <pluginlib/class_list_macros.hpp>
 #include <string>
 
@@ -29,9 +30,11 @@ void TiltScanAssembler::setUp() {
   }
   assembler_ = std::make_unique<ScanAssembler>(settings_.assembler);
   cloud_publisher_ = node.advertise<sensor_msgs::PointCloud2>("scan_cloud", 10);
+  report_publisher_ = node.advertise<tccm_monitor::ScanReport>("scan_report", 50);
   transforms_ = std::make_unique<TransformListener>(
       node, fromSeconds(settings_.transform_gap_max_s), [this] { process(); });
   source_ = std::make_unique<ScanSource>(settings_, root_frames, transforms_->history());
+  source_->onDrop([this](Time stamp, const std::string& reason) { reportDrop(stamp, reason); });
   const auto hints = ros::TransportHints().tcpNoDelay();
   if (body_) {
     joints_subscriber_ =
@@ -57,6 +60,7 @@ void TiltScanAssembler::setUp() {
 void TiltScanAssembler::receiveScan(const sensor_msgs::LaserScan::ConstPtr& message) {
   ++received_;
   last_scan_ = ros::Time::now();
+  reportArrival(message->header);
   const std::string defect =
       source_->add(fromMessage(*message), message->header.frame_id, toTime(last_scan_));
   if (!defect.empty()) NODELET_WARN_THROTTLE(5.0, "A scan was dropped: %s.", defect.c_str());
@@ -64,8 +68,12 @@ void TiltScanAssembler::receiveScan(const sensor_msgs::LaserScan::ConstPtr& mess
 }
 
 void TiltScanAssembler::receiveJoints(const sensor_msgs::JointState::ConstPtr& message) {
-  body_->joints().add(toTime(message->header.stamp), message->name, message->position,
-                      message->velocity);
+  const Time stamp = toTime(message->header.stamp);
+  if (stamp - toTime(ros::Time::now()) > fromSeconds(settings_.future_max_s)) {
+    ++future_joints_;
+    return;
+  }
+  body_->joints().add(stamp, message->name, message->position, message->velocity);
   process();
 }
 
@@ -95,20 +103,60 @@ void TiltScanAssembler::process() {
 
 void TiltScanAssembler::publish(const ScanSource::Ready& ready) {
   static const std::vector<BodySample> kNobody;
+  const ros::Time now = ros::Time::now();
+  const ros::WallTime ready_wall = ros::WallTime::now();
   if (body_) {
     const std::string unknown =
         body_->sample(ready.scan.stamp, ready.scan.lastBeamTime(), ready.T_fixed_roots);
-    if (!unknown.empty()) return source_->countDrop(unknown);
+    if (!unknown.empty()) return source_->countDrop(ready.scan.stamp, unknown);
   }
   const std::string dropped = assembler_->assemble(ready.scan, ready.T_fixed_sensor,
                                                    body_ ? body_->samples() : kNobody, assembled_);
-  if (!dropped.empty()) return source_->countDrop(dropped);
+  if (!dropped.empty()) return source_->countDrop(ready.scan.stamp, dropped);
   const BeamCounts counts = assembled_.counts();
   for (std::size_t i = 0; i < kBeamKinds; ++i) beams_[i] += counts[i];
   ++assembled_count_;
+  reportAssembled(ready, now, ready_wall, counts);
   const auto cloud = clouds_.take();
   toMessage(assembled_, withoutSlash(settings_.fixed_frame), *cloud);
   cloud_publisher_.publish(sensor_msgs::PointCloud2::ConstPtr(cloud));
+}
+
+void TiltScanAssembler::reportArrival(const std_msgs::Header& header) {
+  const auto report = reports_.take();
+  *report = tccm_monitor::ScanReport();
+  report->header = header;
+  report->outcome = tccm_monitor::ScanReport::WAITING;
+  report_publisher_.publish(tccm_monitor::ScanReport::ConstPtr(report));
+}
+
+void TiltScanAssembler::reportDrop(Time stamp, const std::string& reason) {
+  const auto report = reports_.take();
+  *report = tccm_monitor::ScanReport();
+  report->header.stamp = toRos(stamp);
+  report->outcome = tccm_monitor::ScanReport::DROPPED;
+  report->dropped = reason;
+  report_publisher_.publish(tccm_monitor::ScanReport::ConstPtr(report));
+}
+
+void TiltScanAssembler::reportAssembled(const ScanSource::Ready& ready, const ros::Time& now,
+                                        const ros::WallTime& ready_wall, const BeamCounts& counts) {
+  const auto at = [&counts](BeamKind kind) {
+    return static_cast<float>(counts[static_cast<std::size_t>(kind)]);
+  };
+  const float removed = at(BeamKind::kMixedPixel) + at(BeamKind::kSelf) + at(BeamKind::kShadow);
+  const float returns = at(BeamKind::kReturn) + removed;
+  const auto report = reports_.take();
+  *report = tccm_monitor::ScanReport();
+  report->header.stamp = toRos(ready.scan.stamp);
+  report->outcome = tccm_monitor::ScanReport::ASSEMBLED;
+  report->ready_wall.sec = ready_wall.sec;
+  report->ready_wall.nsec = ready_wall.nsec;
+  report->transform_wait_s = static_cast<float>(toSeconds(toTime(now) - ready.arrival));
+  report->measured_fraction = (returns + at(BeamKind::kNoReturn)) /
+                              std::max(1.0F, static_cast<float>(ready.scan.ranges.size()));
+  report->removed_fraction = returns > 0.0F ? removed / returns : 0.0F;
+  report_publisher_.publish(tccm_monitor::ScanReport::ConstPtr(report));
 }
 
 void TiltScanAssembler::publishMarkers() {
@@ -148,6 +196,7 @@ void TiltScanAssembler::diagnose(diagnostic_updater::DiagnosticStatusWrapper& st
   for (const auto& entry : source_->dropped()) {
     status.add("scans dropped: " + entry.first, entry.second);
   }
+  status.add("joint states dropped: stamped in the future", future_joints_);
   const char* const kinds[kBeamKinds] = {"kept",        "no return", "too close", "unknown",
                                          "mixed pixel", "self",      "shadow"};
   for (std::size_t i = 0; i < kBeamKinds; ++i) {

@@ -65,7 +65,7 @@ TEST_F(CheckerTest, AJointThatIsNeverNamedIsNamedInTheDetail) {
   check(kStart);
   setRoot(kStart, true);
   for (double now = kStart; now < kStart + 0.3; now += 0.01) {
-    checker_->addJoints(at(now), {"slide"}, {0.0}, {});
+    checker_->addJoints(at(now), at(now), {"slide"}, {0.0}, {});
     setMap(now, clear_);
   }
   const Verdict& verdict = check(kStart + 0.3);
@@ -84,7 +84,7 @@ TEST_F(CheckerTest, JointsMayBeAsOldAsTheirTimeoutAndNoOlder) {
 TEST_F(CheckerTest, OneJointThatFallsSilentIsEnough) {
   run(kStart, kStart + 0.1, clear_);
   for (double now = kStart + 0.11; now < kStart + 0.25; now += 0.01) {
-    checker_->addJoints(at(now), {"slide"}, {0.0}, {});
+    checker_->addJoints(at(now), at(now), {"slide"}, {0.0}, {});
     setMap(now, clear_);
   }
   EXPECT_EQ(reasonAt(kStart + 0.25), Reason::kNoJoints);
@@ -159,24 +159,36 @@ TEST_F(CheckerTest, StampsMayLeadByALittleAndNoMore) {
   feed(kStart, clear_);
   addJoints(kStart + 0.1, 0.0);
   EXPECT_EQ(reasonAt(kStart), Reason::kClear);
-  addJoints(kStart + 0.101, 0.0);
-  EXPECT_EQ(reasonAt(kStart), Reason::kFuture);
+}
+
+TEST_F(CheckerTest, AJointStateFromTheFutureIsDroppedAndTheNextOneCounts) {
+  feed(kStart, clear_);
+  checker_->addJoints(at(kStart), at(kStart + 7.0), {"slide"}, {0.9}, {0.0});
+  EXPECT_EQ(reasonAt(kStart), Reason::kClear);
+  EXPECT_EQ(checker_->inputs().futureJoints(), 1U);
+  run(kStart + 0.02, kStart + 1.0, clear_);
+  EXPECT_EQ(reasonAt(kStart + 1.0), Reason::kClear);
 }
 
 TEST_F(CheckerTest, OneOfTwoPublishersStampingAheadIsNoticed) {
   run(kStart, kStart + 0.5, clear_);
-  const double now = kStart + 0.51;
-  checker_->addJoints(at(now + 7.0), {"glide"}, {0.0}, {0.0});
-  checker_->addJoints(at(now), {"slide"}, {0.0}, {0.0});
-  EXPECT_EQ(reasonAt(now), Reason::kFuture);
+  for (double now = kStart + 0.51; now < kStart + 0.7; now += 0.01) {
+    checker_->addJoints(at(now), at(now + 7.0), {"glide"}, {0.0}, {0.0});
+    checker_->addJoints(at(now), at(now), {"slide"}, {0.0}, {0.0});
+    setMap(now, clear_);
+    check(now);
+  }
+  const Verdict& verdict = check(kStart + 0.7);
+  EXPECT_EQ(verdict.reason, Reason::kFuture);
+  EXPECT_EQ(verdict.reasons.front(), Reason::kFuture);
 }
 
 TEST_F(CheckerTest, AClockThatStandsStillIsAFaultUntilItGoesOn) {
   run(kStart, kStart + 0.5, clear_);
-  checker_->setClockStalls(true);
+  checker_->inputs().setClockStalls(true);
   EXPECT_EQ(reasonAt(kStart + 0.5), Reason::kNoClock);
   EXPECT_NE(checker_->checkState(at(kStart + 0.5), {"slide"}, {0.0}).reason, Reason::kClear);
-  checker_->setClockStalls(false);
+  checker_->inputs().setClockStalls(false);
   EXPECT_EQ(run(kStart + 0.51, kStart + 1.4, clear_).reason, Reason::kReleasing);
   EXPECT_EQ(run(kStart + 1.41, kStart + 1.6, clear_).reason, Reason::kClear);
 }
@@ -280,7 +292,7 @@ TEST_F(CheckerTest, AStopDuringTheReleaseStartsItAnew) {
 }
 
 TEST_F(CheckerTest, ALongerReleaseThanTheWindowIsKept) {
-  config_.release_s = 3.0;
+  config_.permission.release_s = 3.0;
   remake();
   feedAndCheck(kStart, post_, 0.75);
   EXPECT_EQ(run(kStart + 0.1, kStart + 2.9, clear_).reason, Reason::kReleasing);
@@ -314,7 +326,7 @@ TEST_F(CheckerTest, WhenTimeJumpsBackEverythingStartsAnew) {
 
 TEST_F(CheckerTest, AfterResetNothingIsKnown) {
   feedAndCheck(kStart, clear_);
-  checker_->reset();
+  checker_->startAnew();
   const Verdict& verdict = check(kStart + 0.01);
   EXPECT_EQ(verdict.reason, Reason::kInit);
   EXPECT_EQ(verdict.serial, 0U);
@@ -332,18 +344,21 @@ TEST_F(CheckerTest, NumbersThatAreNoneAgeLikeSilence) {
 }
 
 TEST(CheckerConfigTest, ValuesOutOfRangeAreRefused) {
-  const auto refused = [](auto member, double value) {
+  const auto refused = [](auto part, auto member, double value) {
     Checker::Config config;
-    config.*member = value;
+    config.*part.*member = value;
     EXPECT_THROW(Checker(test::sliderModel(), config), ConfigError) << value;
   };
-  refused(&Checker::Config::horizon_s, -0.1);
-  refused(&Checker::Config::joint_timeout_s, 0.0);
-  refused(&Checker::Config::transform_timeout_s, 0.0);
-  refused(&Checker::Config::scan_timeout_periods, 0.5);
-  refused(&Checker::Config::map_age_max_s, std::numeric_limits<double>::infinity());
-  refused(&Checker::Config::future_max_s, -1.0);
-  refused(&Checker::Config::release_s, std::numeric_limits<double>::quiet_NaN());
+  using Config = Checker::Config;
+  refused(&Config::way, &WayAhead::Config::horizon_s, -0.1);
+  refused(&Config::inputs, &CheckInputs::Config::joint_timeout_s, 0.0);
+  refused(&Config::inputs, &CheckInputs::Config::transform_timeout_s, 0.0);
+  refused(&Config::inputs, &CheckInputs::Config::scan_timeout_periods, 0.5);
+  refused(&Config::inputs, &CheckInputs::Config::map_age_max_s,
+          std::numeric_limits<double>::infinity());
+  refused(&Config::inputs, &CheckInputs::Config::future_max_s, -1.0);
+  refused(&Config::permission, &Permission::Config::release_s,
+          std::numeric_limits<double>::quiet_NaN());
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "support/cuboid_scene.h"
 #include "support/random.h"
 #include "support/tiny_robot.h"
+#include "tccm_monitor/ros/status_conversions.h"
 
 namespace tccm {
 namespace {
@@ -193,11 +194,11 @@ class VerdictConversionTest : public ::testing::Test {
 
   /// The verdict on a map, for hands at x and 0.3 m beside it.
   const Verdict& judge(const CuboidMap& map, double x, double velocity) {
-    checker_.reset();
+    checker_.startAnew();
     const Time now = map.stamp + fromSeconds(0.01);
     checker_.setRootPose(0, Time(), Pose::Identity(), true);
     for (const double before : {0.04, 0.0}) {
-      checker_.addJoints(now - fromSeconds(before), {"slide", "glide"},
+      checker_.addJoints(now, now - fromSeconds(before), {"slide", "glide"},
                          {x - before * velocity, 0.3}, {velocity, 0.0});
     }
     checker_.setMap(now, std::make_shared<const CuboidMap>(map));

@@ -101,7 +101,7 @@ class RobotMarkerTest : public ::testing::Test {
   const Verdict& judge(const CuboidMap& map) {
     const Time now = map.stamp + fromSeconds(0.01);
     checker_.setRootPose(0, Time(), Pose::Identity(), true);
-    checker_.addJoints(now, {"slide", "glide"}, {0.5, 0.3}, {});
+    checker_.addJoints(now, now, {"slide", "glide"}, {0.5, 0.3}, {});
     checker_.setMap(now, std::make_shared<const CuboidMap>(map));
     return checker_.check(now);
   }

@@ -109,11 +109,11 @@ TEST(SettingsTest, TheDefaultFileHoldsTheDefaults) {
   EXPECT_EQ(a.pose.occlusion.resolution_rad, b.pose.occlusion.resolution_rad);
   EXPECT_EQ(a.pose.occlusion.margin_m, b.pose.occlusion.margin_m);
   EXPECT_EQ(a.pose.occlusion.hidden_fraction, b.pose.occlusion.hidden_fraction);
-  EXPECT_EQ(a.horizon_s, b.horizon_s);
-  EXPECT_EQ(a.joint_timeout_s, b.joint_timeout_s);
-  EXPECT_EQ(a.transform_timeout_s, b.transform_timeout_s);
-  EXPECT_EQ(a.scan_timeout_periods, b.scan_timeout_periods);
-  EXPECT_EQ(a.map_age_max_s, b.map_age_max_s);
+  EXPECT_EQ(a.way.horizon_s, b.way.horizon_s);
+  EXPECT_EQ(a.inputs.joint_timeout_s, b.inputs.joint_timeout_s);
+  EXPECT_EQ(a.inputs.transform_timeout_s, b.inputs.transform_timeout_s);
+  EXPECT_EQ(a.inputs.scan_timeout_periods, b.inputs.scan_timeout_periods);
+  EXPECT_EQ(a.inputs.map_age_max_s, b.inputs.map_age_max_s);
   EXPECT_EQ(file.checker.publish_rate_hz, none.checker.publish_rate_hz);
 }
 
@@ -312,8 +312,8 @@ TEST(MonitorSettingsTest, TheCoreGetsWhatTheFileSays) {
   EXPECT_EQ(config.body.filtered.exceptions[1].padding_m, 0.1);
   EXPECT_EQ(config.mapper.map.grid.cell_size_m, 0.05);
   EXPECT_EQ(config.mapper.window_scans, 40);
-  EXPECT_EQ(config.checker.horizon_s, 0.25);
-  EXPECT_EQ(config.checker.fixed_frame, "odom");
+  EXPECT_EQ(config.checker.way.horizon_s, 0.25);
+  EXPECT_EQ(config.checker.inputs.fixed_frame, "odom");
 }
 
 }  // namespace

@@ -20,7 +20,13 @@ inline Time at(double seconds) { return Time(fromSeconds(seconds)); }
 /// ms.
 class CheckerFixture : public ::testing::Test {
  protected:
+  /// As in the paper, whatever touches until the horizon stops the robot, and nothing holds until
+  /// it is reset.
   CheckerFixture() {
+    config_.way.stop_time_s = config_.way.horizon_s;
+    config_.way.reaction_time_s = 0.0;
+    config_.permission.hold_until_reset = false;
+    config_.permission.release_checks = 1;
     clear_.viewpoint = Vector3(0.0, 0.0, 1.5);
     clear_.window = fromSeconds(1.0);
     post_ = shelf_ = clear_;
@@ -39,7 +45,7 @@ class CheckerFixture : public ::testing::Test {
   }
   void setMap(double now, const CuboidMap& map) { setMap(now, map, now); }
   void addJoints(double stamp, double slide, double velocity = 0.0) {
-    checker_->addJoints(at(stamp), {"slide", "glide"}, {slide, 0.0}, {velocity, 0.0});
+    checker_->addJoints(at(stamp), at(stamp), {"slide", "glide"}, {slide, 0.0}, {velocity, 0.0});
   }
   void setRoot(double stamp, bool is_static = false) {
     checker_->setRootPose(0, at(stamp), Pose::Identity(), is_static);
@@ -64,14 +70,15 @@ class CheckerFixture : public ::testing::Test {
   const Verdict& check(double now) {
     const Verdict& verdict = checker_->check(at(now));
     EXPECT_EQ(verdict.level, levelOf(verdict.reason));
-    EXPECT_EQ(verdict.stop, verdict.level != Level::kOk);
+    EXPECT_EQ(verdict.stop, verdict.level >= Level::kStop);
+    EXPECT_TRUE(!verdict.stop || verdict.speed_scale == 0.0);
     EXPECT_EQ(verdict.detail.empty(), verdict.reason == Reason::kClear);
     if (verdict.reason == Reason::kInit || verdict.level == Level::kFault) {
       EXPECT_FALSE(verdict.known) << name(verdict.reason);
     }
     if (!verdict.stop) {
       EXPECT_TRUE(verdict.known);
-      EXPECT_FALSE(verdict.collision || verdict.occlusion);
+      EXPECT_TRUE(verdict.level == Level::kSlow || !(verdict.collision || verdict.occlusion));
     }
     return verdict;
   }

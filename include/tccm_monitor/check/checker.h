@@ -5,35 +5,41 @@
 #include <string>
 #include <vector>
 
+#include "tccm_monitor/check/check_inputs.h"
+#include "tccm_monitor/check/clearance_check.h"
+#include "tccm_monitor/check/commanded_trajectories.h"
+#include "tccm_monitor/check/exemptions.h"
+#include "tccm_monitor/check/permission.h"
 #include "tccm_monitor/check/pose_check.h"
+#include "tccm_monitor/check/trajectory_check.h"
 #include "tccm_monitor/check/verdict.h"
-#include "tccm_monitor/robot/joint_states.h"
+#include "tccm_monitor/check/way_ahead.h"
 
 namespace tccm {
 
-/// Turns the newest map, joint states and root pose into a verdict, whenever it is asked and
-/// whatever is missing.
+/// Turns the newest map, joint states, root poses and commanded trajectories into a verdict,
+/// whenever it is asked and whatever is missing.
 class Checker {
  public:
   struct Config {
-    std::string fixed_frame = "?";  ///< for what is told to people
     PoseCheck::Config pose;
-    JointStates::Config joints;
-    double horizon_s = 0.5;  ///< how far ahead the second pose lies (paper, section VI.B)
-    double joint_timeout_s = 0.1;
-    double transform_timeout_s = 0.5;     ///< age of the root's pose
-    double scan_timeout_periods = 3.0;    ///< without a new map, in measured scan periods
-    double map_age_max_s = 0.5;           ///< from the newest scan's stamp to the check
-    double future_max_s = 0.1;            ///< a stamp may lead the check by this much
-    double transform_future_max_s = 0.5;  ///< the same of a transform; many publishers date ahead
-    /// Clear for so long before a stop is released; never less than the map's window.
-    double release_s = 0.0;
+    CheckInputs::Config inputs;
+    WayAhead::Config way;
+    CommandedTrajectories::Config trajectories;
+    Permission::Config permission;
+    Exemptions::Config exemptions;
+    double clearance_radius_m = 0.2;  ///< 0: clearances are not measured
+    double trajectory_step_m = 0.004;
+    int trajectory_occlusion_poses = 8;
+    bool occlusion_stops = true;  ///< false: a hidden link only slows the robot down
+    double occlusion_slow_scale = 0.3;
 
     /// @throws ConfigError
     void validate() const;
+    [[nodiscard]] TrajectoryCheck::Config trajectoryCheck() const;
   };
 
-  /// @throws ConfigError
+  /// @throws ConfigError, also where the self-test does not find a link.
   Checker(std::shared_ptr<const RobotModel> model, const Config& config);
 
   /// Other limits and checks from the next check on; how joint states are gathered stays.
@@ -41,31 +47,47 @@ class Checker {
   void reconfigure(const Config& config);
   [[nodiscard]] const Config& config() const { return config_; }
 
-  /// @return what was taken of it.
-  JointStates::Added addJoints(Time stamp, const std::vector<std::string>& names,
+  [[nodiscard]] CheckInputs& inputs() { return inputs_; }
+  [[nodiscard]] const CheckInputs& inputs() const { return inputs_; }
+  /// As CheckInputs does.
+  JointStates::Added addJoints(Time now, Time stamp, const std::vector<std::string>& names,
                                const std::vector<double>& positions,
-                               const std::vector<double>& velocities);
-  /// One of the model's roots in the fixed frame. One that does not move (the same frame, or
-  /// static transforms alone) never grows old.
-  /// @param root index into the model's roots().
-  void setRootPose(std::size_t root, Time stamp, const Pose& T_fixed_root, bool is_static);
+                               const std::vector<double>& velocities) {
+    return inputs_.addJoints(now, stamp, names, positions, velocities);
+  }
+  void setRootPose(std::size_t root, Time stamp, const Pose& T_fixed_root, bool is_static) {
+    inputs_.setRootPose(root, stamp, T_fixed_root, is_static);
+  }
+  void setMap(Time now, std::shared_ptr<const CuboidMap> map) {
+    inputs_.setMap(now, std::move(map));
+  }
+  /// What the arms were told to do, see CommandedTrajectories::command().
+  std::string command(Time now, const JointTrajectory& trajectory);
+  /// How long verdicts take, measured, from the moment when scan and transforms are there to the
+  /// publication: margins grow with it.
+  void setLatency(double seconds) { latency_s_ = seconds; }
+  /// What the caller knows to be wrong or unknown, until it says otherwise; kClear: nothing.
+  void setOutsideCause(const Cause& cause) { outside_ = cause; }
+
   /// The robot has something else in its hand from now on; an object of the same name is replaced.
   /// @throws ConfigError, and nothing changes.
   void attach(const AttachedObject& object);
   /// @return false where no object has that name.
   bool detach(const std::string& object);
   [[nodiscard]] const std::vector<AttachedObject>& attached() const { return attached_; }
+  /// @throws ConfigError, and nothing changes.
+  void addExemption(Time now, const Exemption& exemption, double duration_s);
+  [[nodiscard]] const Exemptions& exemptions() const { return exemptions_; }
   /// Where a link is in the fixed frame; nothing where the model lacks it, or joints or root are
   /// missing or too old.
   [[nodiscard]] std::optional<Pose> linkPose(Time now, const std::string& link);
-  /// Whether the clock that gives `now` stands still, as a player's or simulation's may.
-  void setClockStalls(bool stalls) { clock_stalls_ = stalls; }
-  void setMap(Time now, std::shared_ptr<const CuboidMap> map);
-  /// As at the start: after time has jumped back.
-  void reset();
 
   /// The reference is valid until the next call. @param now not before that of earlier calls.
   const Verdict& check(Time now);
+  /// Lifts what holds until it is reset. @return why not; empty where it is lifted.
+  [[nodiscard]] std::string reset() { return permission_.reset(); }
+  /// As at the start: after time has jumped back.
+  void startAnew();
 
   struct StateAnswer {
     Reason reason = Reason::kInit;  ///< kClear: the pose is free
@@ -78,60 +100,58 @@ class Checker {
   /// is not finite, is answered with kBadQuestion.
   [[nodiscard]] StateAnswer checkState(Time now, const std::vector<std::string>& names,
                                        const std::vector<double>& positions);
+  /// The same of a whole way.
+  [[nodiscard]] TrajectoryCheck::Answer checkTrajectory(Time now,
+                                                        const JointTrajectory& trajectory);
 
   /// With what it holds.
   [[nodiscard]] const RobotModel& model() const { return *model_; }
   [[nodiscard]] std::shared_ptr<const RobotModel> sharedModel() const { return model_; }
   /// Joints that no joint state has named yet.
-  [[nodiscard]] std::vector<std::string> missingJoints() const { return joints_.missingJoints(); }
-  [[nodiscard]] const CuboidMap* map() const { return map_.get(); }
-  [[nodiscard]] const PoseCheck& poseCheckNow() const { return check_now_; }
-  [[nodiscard]] const PoseCheck& poseCheckAhead() const { return check_ahead_; }
+  [[nodiscard]] std::vector<std::string> missingJoints() const {
+    return inputs_.jointStates().missingJoints();
+  }
+  [[nodiscard]] const CuboidMap* map() const { return inputs_.map(); }
+  [[nodiscard]] const CommandedTrajectories& commanded() const { return commanded_; }
+  [[nodiscard]] const PoseCheck& poseCheckNow() const { return checks_.now; }
+  [[nodiscard]] const PoseCheck& poseCheckAhead() const { return checks_.ahead; }
 
  private:
-  struct Cause {
-    Reason reason = Reason::kClear;
-    std::string detail;
-    std::string link;
+  /// Everything that is made for one model and configuration.
+  struct Checks {
+    PoseCheck now, ahead, state;
+    WayAhead way;
+    ClearanceCheck clearance;
+    TrajectoryCheck trajectory;
+    Kinematics kinematics;  ///< for questions
+
+    /// @throws ConfigError, also where the self-test does not find a link.
+    Checks(const std::shared_ptr<const RobotModel>& model, const Config& config);
   };
-  struct RootPose {
-    Time stamp;
-    bool is_static;
-  };
-  /// The worst of what is missing, late or unknown; kClear where nothing is.
-  [[nodiscard]] Cause inputCause(Time now, const JointSnapshot* joints) const;
-  [[nodiscard]] Cause jointsCause(Time now, const JointSnapshot* joints) const;
-  [[nodiscard]] Cause rootCause(Time now) const;
-  [[nodiscard]] Cause rootCause(Time now, std::size_t root) const;
-  [[nodiscard]] bool rootsKnown() const;
-  [[nodiscard]] Cause mapCause(Time now) const;
-  /// What a pose's findings mean; the reasons are those of the present pose, or of the one ahead.
-  [[nodiscard]] Cause findingsCause(const PoseFindings& findings, bool ahead) const;
-  [[nodiscard]] bool within(Time now, double seconds) const;
-  void lookAhead(const JointSnapshot& joints);
-  [[nodiscard]] bool needsRelease(Reason reason) const;
-  void decide(const Cause& cause);
   void hold(std::vector<AttachedObject> objects);
+  void exempt();
+  /// What the robot does and meets, once it can be placed.
+  void look(Time now, const JointSnapshot& joints);
+  void judgeContacts(const JointSnapshot& joints);
+  void judgeOcclusion();
+  [[nodiscard]] Cause contactCause(Reason reason, Level level, std::uint32_t shape,
+                                   const std::string& what) const;
+  void add(Cause cause, double speed_scale);
+  void decide(Time now);
 
   std::shared_ptr<const RobotModel> model_;
   Config config_;
   std::shared_ptr<const RobotModel> bare_model_;  ///< with empty hands
   std::vector<AttachedObject> attached_;
-  JointStates joints_;
-  Kinematics kinematics_;  ///< for questions
-  PoseCheck check_now_;
-  PoseCheck check_ahead_;
-  PoseCheck check_state_;
-  std::shared_ptr<const CuboidMap> map_;
-  Time map_arrival_;
-  std::optional<double> scan_period_s_;         ///< the mean of the recent ones
-  std::optional<Time> started_;                 ///< the first check
-  std::vector<std::optional<RootPose>> roots_;  ///< by the model's roots
-  std::vector<Pose> T_fixed_roots_;
-  bool clock_stalls_ = false;
-  std::vector<double> positions_ahead_;
-  bool was_known_ = false;         ///< since the start: what is missing before is no stop
-  std::optional<Time> last_stop_;  ///< the last check that was not clear, INIT apart
+  CheckInputs inputs_;
+  CommandedTrajectories commanded_;
+  Exemptions exemptions_;
+  Permission permission_;
+  Checks checks_;
+  Permission::Findings findings_;  ///< of this check
+  Cause outside_;
+  double latency_s_ = 0.0;
+  bool started_ = false;
   Verdict verdict_;
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "tccm_monitor/geometry/shape.h"
@@ -13,6 +14,10 @@ struct Contact {
   std::uint32_t shape;   ///< index into the body's shapes
   std::uint32_t cuboid;  ///< index into the map's cuboids
 };
+
+/// For each shape of a body the regions in the fixed frame that it may touch things in; empty: none
+/// at all.
+using ExemptRegions = std::vector<std::vector<PlacedShape>>;
 
 /// Finds the cuboids that a robot's primitives touch (paper, section IV.A): the primitives'
 /// footprints name the cells, an exact test decides. Single false points are told from obstacles by
@@ -33,14 +38,29 @@ class CollisionCheck {
   /// @throws ConfigError
   explicit CollisionCheck(const Config& config);
 
+  /// Contacts with cuboids that lie altogether in a region count for nothing from now on.
+  void exempt(ExemptRegions regions);
+
   /// The contacts by shape, then by cell; the reference is valid until the next call.
   const std::vector<Contact>& find(const CuboidMap& map, const Body& body);
+  /// The first cuboid by cell that a shape touches.
+  /// @param index of the shape in the body, for exempt().
+  [[nodiscard]] std::optional<std::uint32_t> first(const CuboidMap& map, const Shape& shape,
+                                                   const Pose& T_fixed_shape,
+                                                   std::uint32_t index) const;
+  /// Whether enough returns lie near a cuboid for it to count.
+  [[nodiscard]] bool hasSupport(const CuboidMap& map, const Cuboid& cuboid) const;
 
  private:
-  void findOf(const CuboidMap& map, const Body& body, std::uint32_t shape);
+  /// Calls visit(cuboid index) for each contact, until it returns false.
+  template <typename Visit>
+  void visitContacts(const CuboidMap& map, const Shape& shape, const Pose& T_fixed_shape,
+                     std::uint32_t index, Visit&& visit) const;
+  [[nodiscard]] bool isExempt(std::uint32_t index, const UprightBox& cuboid) const;
 
   Config config_;
   std::vector<Contact> contacts_;
+  ExemptRegions exempt_;
 };
 
 }  // namespace tccm

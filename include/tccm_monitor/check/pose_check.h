@@ -45,6 +45,8 @@ class PoseCheck {
   void check(const CuboidMap& map, const std::vector<double>& positions,
              const std::vector<Pose>& T_fixed_roots, PoseFindings& findings);
 
+  void exempt(const ExemptRegions& regions) { collision_.exempt(regions); }
+
   [[nodiscard]] const OcclusionCheck& occlusion() const { return occlusion_; }
   /// The shape that the i-th body of the occlusion picture stands for.
   [[nodiscard]] std::size_t occlusionShape(std::size_t i) const {
@@ -55,6 +57,10 @@ class PoseCheck {
   [[nodiscard]] const Body& occlusionBody() const { return occlusion_body_; }
   /// The primitives as checked for collision, at the pose of the last check.
   [[nodiscard]] const Body& collisionBody() const { return collision_body_; }
+  /// The model's shapes that they stand for.
+  [[nodiscard]] const std::vector<std::size_t>& collisionShapes() const {
+    return collision_used_.shapes;
+  }
   /// The model's shape that the i-th of them stands for.
   [[nodiscard]] std::size_t collisionShape(std::size_t i) const {
     return collision_used_.shapes[i];
@@ -62,6 +68,8 @@ class PoseCheck {
   [[nodiscard]] bool isOccluded(const LinkVisibility& link) const {
     return occlusion_.isOccluded(link);
   }
+  /// The name of the occluded link that is seen least; empty where none is occluded.
+  [[nodiscard]] std::string mostHiddenLink(const PoseFindings& findings) const;
 
  private:
   std::shared_ptr<const RobotModel> model_;

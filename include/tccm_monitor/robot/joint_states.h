@@ -56,6 +56,9 @@ class JointStates {
   /// In one line, which joint is published elsewhere than the configuration fixes it, by more than
   /// 0.01 rad or m; empty where none is. While there is one, nothing is known of the pose.
   [[nodiscard]] const std::string& contradiction() const { return contradiction_; }
+  /// In one line, which joint's velocity was first found missing, or 0 while its position changed;
+  /// empty where none was. Its positions are differentiated.
+  [[nodiscard]] const std::string& velocityDefect() const { return velocity_defect_; }
   /// All joints never heard of.
   [[nodiscard]] std::vector<std::string> missingJoints() const;
   /// Nothing while a joint is missing. A robot without joints has the stamp of the last message.
@@ -85,7 +88,9 @@ class JointStates {
       return ring[(next + ring.size() - 1 - k) % ring.size()];
     }
   };
-  [[nodiscard]] double velocityOf(const Track& track) const;
+  [[nodiscard]] double differentiate(const Track& track) const;
+  /// The larger of the reported and the differentiated.
+  [[nodiscard]] double velocityOf(std::size_t joint);
   void compareWithFixed(const std::string& name, double position);
   [[nodiscard]] bool interpolate(const Track& track, Time stamp, double& position) const;
 
@@ -94,6 +99,7 @@ class JointStates {
   std::map<std::string, double> fixed_;
   std::string contradicting_joint_;
   std::string contradiction_;
+  std::string velocity_defect_;
   std::vector<std::string> names_;
   std::vector<Track> tracks_;
   std::optional<Time> last_message_;

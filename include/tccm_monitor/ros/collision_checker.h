@@ -1,69 +1,89 @@
 #pragma once
 
 #include <diagnostic_updater/diagnostic_updater.h>
-#include <dynamic_reconfigure/server.h>
 #include <nodelet/nodelet.h>
 #include <ros/ros.h>
 #include <sensor_msgs/JointState.h>
-#include <tccm_monitor/CheckState.h>
-#include <tccm_monitor/CollisionCheckerConfig.h>
 #include <tccm_monitor/CuboidMap.h>
 #include <tccm_monitor/MonitorStatus.h>
+#include <tccm_monitor/ScanReport.h>
+#include <trajectory_msgs/JointTrajectory.h>
 
 #include <array>
-#include <boost/thread/recursive_mutex.hpp>
+#include <map>
 #include <memory>
 #include <string>
 
 #include "tccm_monitor/check/checker.h"
 #include "tccm_monitor/ros/attachments.h"
+#include "tccm_monitor/ros/checker_services.h"
+#include "tccm_monitor/ros/input_diagnostics.h"
+#include "tccm_monitor/ros/permission_publisher.h"
 #include "tccm_monitor/ros/settings.h"
 #include "tccm_monitor/ros/transform_listener.h"
+#include "tccm_monitor/ros/tuning.h"
 
 namespace tccm {
 
-/// Nodelet: `cuboid_map`, `joint_states` and tf in; `stop`, `collision`, `occlusion` and
-/// `monitor_status` out, from a timer whatever comes in, and at once when it gets worse. All its
-/// callbacks run one after the other.
+/// Nodelet: `cuboid_map`, `scan_report`, `joint_states`, `trajectory` and tf in;
+/// `motion_permission`, flags and `monitor_status` out, from a timer whatever comes in, and at once
+/// with each new map and when it gets worse. All its callbacks run one after the other.
 class CollisionChecker : public nodelet::Nodelet {
  private:
-  using Reconfiguration = tccm_monitor::CollisionCheckerConfig;
+  /// How long scans take.
+  struct Latencies {
+    double scan_to_verdict_s = 0.0;   ///< from the newest scan's last beam to the first check of it
+    double transform_wait_s = 0.0;    ///< of that scan
+    double ready_to_verdict_s = 0.0;  ///< from when scan and transforms were there
+    double longest_s = 0.0;           ///< of the last, forgotten slowly
+  };
 
   void onInit() override;
   void setUp();
-  void setUpReconfiguration();
+  void setUpDiagnostics();
   void receiveMap(const tccm_monitor::CuboidMap::ConstPtr& message);
+  void receiveReport(const tccm_monitor::ScanReport::ConstPtr& message);
   void receiveJoints(const sensor_msgs::JointState::ConstPtr& message);
+  void receiveTrajectory(const trajectory_msgs::JointTrajectory::ConstPtr& message);
   void receiveTransforms();
+  void placeRootsInFixedFrame();
+  /// Checks, and publishes where it got worse. Whatever goes wrong is a fault.
   void check();
+  void checkNow(const ros::Time& now);
+  void becomeFault(Reason reason, const std::string& detail);
+  /// What the core cannot know.
+  [[nodiscard]] Cause outsideCause() const;
+  void noteLatency();
   void publish();
   void publishPictures();
   /// Whether simulated time stands still, so that nothing can grow old by it.
   [[nodiscard]] bool clockStalls();
   void tellChange(const Verdict& verdict);
-  bool checkState(tccm_monitor::CheckState::Request& request,
-                  tccm_monitor::CheckState::Response& response);
-  void reconfigure(Reconfiguration& wanted, std::uint32_t level);
+  void tellOnce();
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   CheckerSettings settings_;
   std::unique_ptr<Checker> checker_;
   std::unique_ptr<Attachments> attachments_;
+  std::unique_ptr<CheckerServices> services_;
+  std::unique_ptr<Tuning> tuning_;
+  std::unique_ptr<PermissionPublisher> permission_;
   std::unique_ptr<TransformListener> transforms_;
-  boost::recursive_mutex reconfiguration_mutex_;  ///< the server wants one to be shared with it
-  std::unique_ptr<dynamic_reconfigure::Server<Reconfiguration>> reconfiguration_;
-  const Verdict* verdict_ = nullptr;  ///< the last; nothing before the first check
+  Verdict fault_;                     ///< stands in where no check could be made
+  const Verdict* verdict_ = &fault_;  ///< the last
   std::array<std::shared_ptr<CuboidMap>, 2> maps_;
   std::size_t newest_map_ = 0;
+  std::size_t maps_dropped_ = 0;
   std::string map_defect_;
-  ros::Publisher stop_publisher_, collision_publisher_, occlusion_publisher_;
+  tccm_monitor::ScanReport assembled_;  ///< the newest report of a scan that was assembled
+  std::map<std::string, std::size_t> scans_dropped_;
   ros::Publisher status_publisher_, marker_publisher_, image_publisher_;
-  ros::Subscriber map_subscriber_, joints_subscriber_;
-  ros::ServiceServer state_service_;
+  ros::Subscriber map_subscriber_, report_subscriber_, joints_subscriber_, trajectory_subscriber_;
   ros::WallTimer publish_timer_, picture_timer_, diagnostics_timer_;
   std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
+  std::unique_ptr<InputDiagnostics> map_rate_, joints_rate_, scan_rate_;
   std::uint32_t seen_serial_ = 0;
-  double scan_to_verdict_s_ = 0.0;
+  Latencies latencies_;
   double check_us_ = 0.0;
   double check_us_max_ = 0.0;
   std::size_t checks_ = 0;
@@ -72,6 +92,8 @@ class CollisionChecker : public nodelet::Nodelet {
   ros::WallTime clock_moved_;  ///< when it last differed from the one before
   Reason told_ = Reason::kClear;
   bool told_anything_ = false;
+  bool told_velocity_ = false;
+  std::size_t told_abandoned_ = 0;
   Level published_ = Level::kFault;
 };
 

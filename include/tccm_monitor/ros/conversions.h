@@ -6,13 +6,15 @@
 #include <sensor_msgs/PointCloud2.h>
 #include <tccm_monitor/AttachedObject.h>
 #include <tccm_monitor/CuboidMap.h>
-#include <tccm_monitor/MonitorStatus.h>
+#include <tccm_monitor/Primitive.h>
+#include <trajectory_msgs/JointTrajectory.h>
 
 #include <string>
 
-#include "tccm_monitor/check/checker.h"
 #include "tccm_monitor/map/cuboid_map.h"
 #include "tccm_monitor/map/mapper.h"
+#include "tccm_monitor/robot/joint_trajectory.h"
+#include "tccm_monitor/robot/robot_model.h"
 #include "tccm_monitor/scan/assembled_scan.h"
 #include "tccm_monitor/scan/laser_scan.h"
 
@@ -44,9 +46,7 @@ void toMessage(const CuboidMap& map, const std::string& frame, tccm_monitor::Cub
 /// @return empty, or why the message is no map. @param map reused.
 [[nodiscard]] std::string fromMessage(const tccm_monitor::CuboidMap& message, CuboidMap& map);
 
-/// All but the frame and scan_to_verdict_ms. @param checker that gave the verdict.
-void toMessage(const Verdict& verdict, const Checker& checker,
-               tccm_monitor::MonitorStatus& message);
+[[nodiscard]] JointTrajectory fromMessage(const trajectory_msgs::JointTrajectory& message);
 
 /// @throws ConfigError naming owner where the shape is unknown or its pose no pose; its sizes are
 /// not looked at.

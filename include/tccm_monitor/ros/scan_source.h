@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <deque>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -28,12 +29,16 @@ class ScanSource {
   /// A scan with all that is needed to place its beams.
   struct Ready {
     LaserScan scan;
+    Time arrival;
     PosePath T_fixed_sensor;
     std::vector<PosePath> T_fixed_roots;
   };
 
-  /// A scan that cannot be projected at all is dropped here. @return empty, or what is wrong with
-  /// it.
+  /// Called for each scan that is dropped, with its stamp and the reason.
+  void onDrop(std::function<void(Time, const std::string&)> told) { told_ = std::move(told); }
+
+  /// A scan that cannot be projected at all, or is stamped in the future, is dropped here.
+  /// @return empty, or what is wrong with it.
   std::string add(LaserScan scan, const std::string& frame, Time arrival);
   void clear();
 
@@ -47,7 +52,7 @@ class ScanSource {
   [[nodiscard]] const std::map<std::string, std::size_t>& dropped() const { return dropped_; }
   [[nodiscard]] std::size_t droppedCount() const;
   /// For a scan that failed after it left.
-  void countDrop(const std::string& reason) { ++dropped_[reason]; }
+  void countDrop(Time stamp, const std::string& reason);
   [[nodiscard]] std::size_t waiting() const { return waiting_.size(); }
 
  private:
@@ -64,10 +69,12 @@ class ScanSource {
   std::size_t beams_max_;
   Duration step_;
   Duration wait_max_;
+  Duration future_max_;
   const TransformHistory& transforms_;
   std::deque<Waiting> waiting_;
   Ready ready_;
   std::map<std::string, std::size_t> dropped_;
+  std::function<void(Time, const std::string&)> told_;
 };
 
 }  // namespace tccm

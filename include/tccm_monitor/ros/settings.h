@@ -17,6 +17,7 @@ struct AssemblerSettings {
   double transform_gap_max_s = 0.1;
   double transform_sample_s = 0.004;  ///< the sensor's pose is looked up this often in a scan
   double transform_wait_max_s = 0.5;  ///< a scan that waits longer is dropped
+  double future_max_s = 0.1;  ///< a scan or joint state whose stamp leads by more is dropped
   double marker_rate_hz = 10.0;
 };
 
@@ -29,7 +30,12 @@ struct MapperSettings {
 struct CheckerSettings {
   std::string fixed_frame = "base_link";
   Checker::Config checker;
-  double publish_rate_hz = 50.0;  ///< of flags and status, also where nothing comes in
+  double publish_rate_hz = 50.0;  ///< of permission, flags and status, also where nothing comes in
+  double permission_valid_periods = 2.5;  ///< for so many publishing periods a permission is valid
+  double check_time_max_periods = 2.0;    ///< a check that takes longer is a fault
+  /// While the checker runs, these cannot be tuned to less.
+  double tuning_padding_min_m = 0.01;
+  double tuning_stop_time_min_s = 0.1;
   double marker_rate_hz = 10.0;
   /// What was seen this near to an object that is being attached was the object.
   double attach_forget_padding_m = 0.08;

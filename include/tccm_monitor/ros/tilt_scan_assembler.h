@@ -7,6 +7,7 @@
 #include <sensor_msgs/LaserScan.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <tccm_monitor/AttachedObjects.h>
+#include <tccm_monitor/ScanReport.h>
 
 #include <memory>
 
@@ -28,6 +29,10 @@ class TiltScanAssembler : public nodelet::Nodelet {
   void receiveAttached(const tccm_monitor::AttachedObjects::ConstPtr& message);
   void process();
   void publish(const ScanSource::Ready& ready);
+  void reportArrival(const std_msgs::Header& header);
+  void reportDrop(Time stamp, const std::string& reason);
+  void reportAssembled(const ScanSource::Ready& ready, const ros::Time& now,
+                       const ros::WallTime& ready_wall, const BeamCounts& counts);
   void publishMarkers();
   void warnOfDrops();
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
@@ -40,7 +45,9 @@ class TiltScanAssembler : public nodelet::Nodelet {
   std::unique_ptr<ScanSource> source_;
   AssembledScan assembled_;
   MessagePool<sensor_msgs::PointCloud2> clouds_;
+  MessagePool<tccm_monitor::ScanReport> reports_;
   ros::Publisher cloud_publisher_;
+  ros::Publisher report_publisher_;
   ros::Subscriber scan_subscriber_;
   ros::Subscriber joints_subscriber_;
   ros::Subscriber attached_subscriber_;
@@ -51,6 +58,7 @@ class TiltScanAssembler : public nodelet::Nodelet {
   std::size_t received_ = 0;
   std::size_t assembled_count_ = 0;
   std::size_t dropped_last_ = 0;
+  std::size_t future_joints_ = 0;
   ros::Time last_scan_;
   BeamCounts beams_{};
 };

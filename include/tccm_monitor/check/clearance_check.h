@@ -1,0 +1,53 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "tccm_monitor/check/collision_check.h"
+#include "tccm_monitor/check/verdict.h"
+#include "tccm_monitor/robot/kinematics.h"
+#include "tccm_monitor/robot/link_use.h"
+
+namespace tccm {
+
+/// The distance from each link to the nearest cuboid: of the primitives as they are, without
+/// padding. Only cuboids with enough support count, as for contacts.
+class ClearanceCheck {
+ public:
+  /// @param radius_m what is further away is not looked for.
+  /// @throws ConfigError
+  ClearanceCheck(std::shared_ptr<const RobotModel> model, const LinkUse& collision_use,
+                 const CollisionCheck::Config& collision, double radius_m);
+
+  /// One entry for each link that is checked for collision, in the order of their first primitives;
+  /// the reference is valid until the next call.
+  const std::vector<LinkClearance>& find(const CuboidMap& map, const std::vector<double>& positions,
+                                         const std::vector<Pose>& T_fixed_roots);
+  /// The least of all links; infinite where no cuboid lies within the radius. Faster than find().
+  [[nodiscard]] double least(const CuboidMap& map, const std::vector<double>& positions,
+                             const std::vector<Pose>& T_fixed_roots);
+
+ private:
+  struct Nearest {
+    double distance_m;
+    std::uint32_t cuboid;
+  };
+  /// The nearest cuboid that is nearer than that.
+  [[nodiscard]] std::optional<Nearest> nearest(const CuboidMap& map, const Shape& shape,
+                                               const Pose& T_fixed_shape,
+                                               double nearer_than_m) const;
+  [[nodiscard]] std::optional<Nearest> nearestWithin(const CuboidMap& map, const Shape& shape,
+                                                     const Pose& T_fixed_shape,
+                                                     double nearer_than_m) const;
+
+  std::shared_ptr<const RobotModel> model_;
+  std::vector<std::size_t> shapes_;         ///< indices into the model's shapes
+  std::vector<std::size_t> slot_of_shape_;  ///< index into result_
+  CollisionCheck collision_;
+  Kinematics kinematics_;
+  double radius_m_;
+  std::vector<LinkClearance> result_;
+};
+
+}  // namespace tccm

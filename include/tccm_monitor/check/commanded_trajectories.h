@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "tccm_monitor/robot/joint_path.h"
+#include "tccm_monitor/robot/joint_states.h"
+#include "tccm_monitor/robot/joint_trajectory.h"
+#include "tccm_monitor/robot/robot_model.h"
+#include "tccm_monitor/time.h"
+
+namespace tccm {
+
+/// What the arms' controllers were told to do, and how far they have come. Where a robot is on its
+/// trajectory is told from its joints, not from the clock: a controller may go slower than it was
+/// told, or wait.
+class CommandedTrajectories {
+ public:
+  struct Config {
+    /// A robot that is further from its trajectory follows another one [rad or m].
+    double deviation_max = 0.3;
+    std::size_t points_max = 10000;
+
+    /// @throws ConfigError
+    void validate() const;
+  };
+
+  /// @throws ConfigError
+  CommandedTrajectories(const RobotModel& model, const Config& config);
+
+  /// Takes the place of those that move one of the same joints. One without points cancels: those
+  /// that move one of its joints, or all where it names none.
+  /// @param positions where the robot is, one for each variable; empty: not known, and then only a
+  /// cancellation is understood.
+  /// @return what is wrong with it, in one line; then nothing is followed until the next one.
+  std::string command(Time now, const JointTrajectory& trajectory, const RobotModel& model,
+                      const std::vector<double>& positions);
+  void clear();
+
+  /// Moves on to where the robot is; those that are done or not followed are forgotten.
+  void follow(Time now, const std::vector<double>& positions);
+
+  [[nodiscard]] bool active() const { return !active_.empty(); }
+  /// What is wrong with the last that was commanded; empty where nothing is.
+  [[nodiscard]] const std::string& defect() const { return defect_; }
+  /// How many were forgotten because the robot did something else.
+  [[nodiscard]] std::size_t abandoned() const { return abandoned_; }
+
+  /// The way from where the robot is on: along the trajectories, and for joints that none of them
+  /// moves at their velocities, no further than their limits.
+  /// @param path is cleared before; from 0 s to horizon_s.
+  void makeWay(const RobotModel& model, const JointSnapshot& joints, double horizon_s,
+               JointPath& path);
+
+ private:
+  struct Active {
+    std::vector<std::size_t> variables;
+    JointPath path;
+    double at_s = 0.0;  ///< how far the robot has come
+    Time asked;         ///< when that was found
+  };
+  /// The largest difference of any of its joints.
+  [[nodiscard]] double deviation(const Active& active, double time_s,
+                                 const std::vector<double>& positions);
+  /// @return false where it is done, or not followed.
+  [[nodiscard]] bool moveOn(Active& active, Time now, const std::vector<double>& positions);
+  [[nodiscard]] bool isDone(const Active& active);
+
+  Config config_;
+  std::vector<Active> active_;
+  std::string defect_;
+  std::size_t abandoned_ = 0;
+  std::vector<double> times_s_;    ///< reused
+  std::vector<double> positions_;  ///< reused
+  std::vector<double> way_point_;  ///< reused
+};
+
+/// The way that measured velocities lead, each joint no further than its limits. A joint measured
+/// beyond its limit stays where it is.
+/// @param path is cleared before; from 0 s to horizon_s.
+void extrapolate(const RobotModel& model, const JointSnapshot& joints, double horizon_s,
+                 JointPath& path);
+
+}  // namespace tccm

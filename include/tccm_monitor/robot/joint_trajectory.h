@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tccm_monitor/robot/joint_path.h"
+#include "tccm_monitor/robot/robot_model.h"
+
+namespace tccm {
+
+/// What an arm controller is told to do (trajectory_msgs/JointTrajectory without its header).
+struct JointTrajectory {
+  struct Point {
+    double time_s = 0.0;                ///< from the trajectory's start
+    std::vector<double> positions;      ///< [rad or m], one for each name
+    std::vector<double> velocities;     ///< the same, or empty
+    std::vector<double> accelerations;  ///< the same, or empty
+  };
+  std::vector<std::string> names;
+  std::vector<Point> points;
+};
+
+/// Empty, or in one line what is wrong with it: no joints or points, a joint that is named twice,
+/// that the robot does not have, that moves no monitored link, that follows another or is fixed; a
+/// point that lacks positions, numbers that are none; times that do not rise or are below 0.
+[[nodiscard]] std::string defectOf(const JointTrajectory& trajectory, const RobotModel& model);
+
+/// The variables that the trajectory's joints are, in the order of its names.
+/// @pre defectOf() is empty
+[[nodiscard]] std::vector<std::size_t> variablesOf(const JointTrajectory& trajectory,
+                                                   const RobotModel& model);
+
+/// The way as ros_controllers' JointTrajectoryController takes it: a straight line between points
+/// without velocities, a cubic or quintic spline between such with velocities or accelerations.
+/// Splines are cut into straight pieces that stay within tolerance of them.
+/// @param from where all of the model's variables are at the trajectory's start; those that the
+/// trajectory does not name stay there. Where the first point's time is above 0, the way from there
+/// to it comes first. Joints without limits turn to the first point the short way.
+/// @param path is cleared before.
+/// @param tolerance [rad or m]
+/// @pre defectOf() is empty
+void makePath(const JointTrajectory& trajectory, const RobotModel& model,
+              const std::vector<double>& from, double tolerance, JointPath& path);
+
+}  // namespace tccm

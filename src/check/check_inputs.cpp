@@ -1,0 +1,247 @@
+#include "tccm_monitor/check/check_inputs.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "tccm_monitor/config_error.h"
+
+namespace tccm {
+namespace {
+
+std::string ageText(const std::string& what, Duration age) {
+  char text[200];
+  std::snprintf(text, sizeof text, "%.150s %.0f ms", what.c_str(), 1e3 * toSeconds(age));
+  return text;
+}
+
+std::string neverPublished(const std::vector<std::string>& joints) {
+  constexpr std::size_t kNamed = 5;
+  if (joints.empty()) return "no joint states";
+  std::string names;
+  for (std::size_t i = 0; i < std::min(kNamed, joints.size()); ++i) {
+    names += (i > 0 ? ", '" : "'") + joints[i] + "'";
+  }
+  if (joints.size() > kNamed) names += " and " + std::to_string(joints.size() - kNamed) + " more";
+  return joints.size() == 1 ? "joint " + names + " was never published"
+                            : "joints " + names + " were never published";
+}
+
+/// What a fault that keeps all scans out of the map is called.
+Reason reasonOf(const std::string& dropped) {
+  if (dropped == "blind") return Reason::kBlind;
+  if (dropped == "future_stamp") return Reason::kFuture;
+  if (dropped == "no_transform" || dropped == "transform_gap") return Reason::kNoTransform;
+  return Reason::kNoMap;
+}
+
+}  // namespace
+
+void CheckInputs::Config::validate() const {
+  joints.validate();
+  requireInRange("joint_timeout_s", joint_timeout_s, 0.001, 10.0);
+  requireInRange("transform_timeout_s", transform_timeout_s, 0.001, 10.0);
+  requireInRange("scan_timeout_periods", scan_timeout_periods, 1.0, 100.0);
+  requireInRange("map_age_max_s", map_age_max_s, 0.001, 10.0);
+  requireInRange("future_max_s", future_max_s, 0.0, 10.0);
+  requireInRange("transform_future_max_s", transform_future_max_s, 0.0, 10.0);
+}
+
+CheckInputs::CheckInputs(std::shared_ptr<const RobotModel> model, const Config& config)
+    : model_(std::move(model)),
+      config_((config.validate(), config)),
+      joints_(*model_, config.joints),
+      roots_(model_->roots().size()),
+      T_fixed_roots_(model_->roots().size(), Pose::Identity()) {}
+
+void CheckInputs::reconfigure(const Config& config) {
+  config.validate();
+  config_ = config;
+}
+
+JointStates::Added CheckInputs::addJoints(Time now, Time stamp,
+                                          const std::vector<std::string>& names,
+                                          const std::vector<double>& positions,
+                                          const std::vector<double>& velocities) {
+  if (stamp - now > fromSeconds(config_.future_max_s)) {
+    ++future_joints_;
+    future_joint_ = now;
+    future_lead_ = stamp - now;
+    return {0, names.size()};
+  }
+  return joints_.add(stamp, names, positions, velocities);
+}
+
+void CheckInputs::setRootPose(std::size_t root, Time stamp, const Pose& T_fixed_root,
+                              bool is_static) {
+  if (!isRigid(T_fixed_root)) return;
+  roots_[root] = RootPose{stamp, is_static};
+  T_fixed_roots_[root] = T_fixed_root;
+}
+
+void CheckInputs::addScanReport(Time now, const ScanReport& report) {
+  if (report.outcome == ScanReport::Outcome::kWaiting) {
+    report_arrival_ = now;
+    return;
+  }
+  dropped_ = report.dropped;
+  if (report.outcome == ScanReport::Outcome::kAssembled) assembled_ = now;
+}
+
+void CheckInputs::setMap(Time now, std::shared_ptr<const CuboidMap> map) {
+  if (map_ && map->stamp > map_->stamp) {
+    const double period = toSeconds(map->stamp - map_->stamp);
+    // One pause must not teach it to be patient.
+    scan_period_s_ =
+        scan_period_s_ ? 0.9 * *scan_period_s_ +
+                             0.1 * std::min(period, config_.scan_timeout_periods * *scan_period_s_)
+                       : period;
+  }
+  map_ = std::move(map);
+  map_arrival_ = now;
+}
+
+void CheckInputs::reset() {
+  joints_.reset();
+  map_.reset();
+  scan_period_s_.reset();
+  report_arrival_.reset();
+  assembled_.reset();
+  dropped_.clear();
+  started_.reset();
+  future_joint_.reset();
+  std::fill(roots_.begin(), roots_.end(), std::nullopt);
+}
+
+bool CheckInputs::rootsKnown() const {
+  return std::all_of(roots_.begin(), roots_.end(), [](const auto& root) { return bool(root); });
+}
+
+bool CheckInputs::within(Time now, double seconds) const {
+  return now - *started_ <= fromSeconds(seconds);
+}
+
+Cause CheckInputs::clockCause() const {
+  return clock_stalls_ ? Cause(Reason::kNoClock, "simulated time stands still") : Cause();
+}
+
+Cause CheckInputs::jointsCause(Time now) {
+  if (!joints_.contradiction().empty()) return {Reason::kNoJoints, joints_.contradiction()};
+  const JointSnapshot* joints = joints_.latest();
+  const Duration timeout = fromSeconds(config_.joint_timeout_s);
+  const bool fresh = joints && now - joints->oldest <= timeout;
+  if (!fresh && future_joint_ && now - *future_joint_ <= timeout) {
+    return {Reason::kFuture, ageText("joint states are stamped in the future, by", future_lead_)};
+  }
+  if (!joints) {
+    if (within(now, config_.joint_timeout_s)) return {Reason::kInit, "waiting for joint states"};
+    return {Reason::kNoJoints, neverPublished(joints_.missingJoints())};
+  }
+  const Duration lead = joints->newest - now;
+  if (lead > fromSeconds(config_.future_max_s)) {  // the clock was set back a little
+    return {Reason::kFuture, ageText("a joint state is stamped in the future, by", lead)};
+  }
+  if (fresh) return {};
+  return {Reason::kNoJoints, ageText("a joint was not heard of for", now - joints->oldest)};
+}
+
+Cause CheckInputs::rootCause(Time now, std::size_t index) const {
+  const std::optional<RootPose>& root = roots_[index];
+  const std::string& link = model_->links()[model_->roots()[index]];
+  if (!root) {
+    if (within(now, config_.transform_timeout_s)) {
+      return {Reason::kInit, "waiting for the pose of '" + link + "'"};
+    }
+    return {Reason::kNoTransform, "no transform from the robot's root '" + link +
+                                      "' to fixed_frame '" + config_.fixed_frame + "'"};
+  }
+  const Duration age = now - root->stamp;
+  if (root->is_static) return {};
+  if (-age > fromSeconds(config_.transform_future_max_s)) {
+    return {Reason::kFuture,
+            ageText("the pose of '" + link + "' is stamped in the future, by", -age)};
+  }
+  if (age <= fromSeconds(config_.transform_timeout_s)) return {};
+  return {Reason::kNoTransform,
+          ageText("the pose of '" + link + "' in the fixed frame was not heard of for", age)};
+}
+
+Duration CheckInputs::silenceMax() const {
+  if (!scan_period_s_) return fromSeconds(config_.map_age_max_s);
+  return fromSeconds(
+      std::min(config_.scan_timeout_periods * *scan_period_s_, config_.map_age_max_s));
+}
+
+bool CheckInputs::scansCome(Time now) const {
+  return report_arrival_ && now - *report_arrival_ <= silenceMax();
+}
+
+Cause CheckInputs::silenceCause(Time now) const {
+  if (report_arrival_ && !scansCome(now)) {
+    return {Reason::kNoMap, ageText("no scan for", now - *report_arrival_)};
+  }
+  const Duration silence = now - (map_ ? map_arrival_ : *started_);
+  if (!report_arrival_) return {Reason::kNoMap, ageText("no scan was mapped for", silence)};
+  if (!dropped_.empty()) {
+    return {reasonOf(dropped_), ageText("scans are dropped (" + dropped_ + ") for", silence)};
+  }
+  return {Reason::kNoMap, ageText("scans come, but none was mapped for", silence)};
+}
+
+Cause CheckInputs::mapCause(Time now) const {
+  if (!map_) {
+    if (within(now, config_.map_age_max_s)) return {Reason::kInit, "waiting for the first scan"};
+    return silenceCause(now);
+  }
+  const Duration age = now - map_->stamp;
+  if (-age > fromSeconds(config_.future_max_s)) {
+    return {Reason::kFuture, ageText("the newest scan is stamped in the future, by", -age)};
+  }
+  // Scans that wait for transforms may wait as long as these may be missing; blind ones may not.
+  const bool waits = scansCome(now) && dropped_.empty() &&
+                     !(assembled_ && *assembled_ - map_arrival_ > silenceMax());
+  if (now - map_arrival_ > silenceMax() && !waits) return silenceCause(now);
+  if (age > fromSeconds(config_.map_age_max_s)) {
+    if (waits) {
+      return {Reason::kNoTransform, ageText("scans wait for transforms; the newest in the map is "
+                                            "older than",
+                                            fromSeconds(config_.map_age_max_s))};
+    }
+    return {Reason::kMapLate, ageText("the newest scan in the map is older than",
+                                      fromSeconds(config_.map_age_max_s))};
+  }
+  if (map_->overflowed) return {Reason::kMapOverflow, "points were left out of the map"};
+  if (!map_->complete) return {Reason::kInit, "the map does not hold a whole sweep yet"};
+  return {};
+}
+
+void CheckInputs::appendCauses(Time now, std::vector<Cause>& causes) {
+  if (!started_) started_ = now;
+  const auto add = [&causes](Cause cause) {
+    if (cause.reason != Reason::kClear) causes.push_back(std::move(cause));
+  };
+  add(clockCause());
+  add(jointsCause(now));
+  for (std::size_t root = 0; root < roots_.size(); ++root) add(rootCause(now, root));
+  add(mapCause(now));
+}
+
+Cause CheckInputs::worst(Time now) {
+  std::vector<Cause> causes;
+  appendCauses(now, causes);
+  Cause worst;
+  for (Cause& cause : causes) {
+    if (cause.isWorseThan(worst)) worst = std::move(cause);
+  }
+  return worst;
+}
+
+bool CheckInputs::placesRobot(Time now) {
+  if (!started_) started_ = now;
+  if (clock_stalls_ || jointsCause(now).reason != Reason::kClear) return false;
+  for (std::size_t root = 0; root < roots_.size(); ++root) {
+    if (rootCause(now, root).reason != Reason::kClear) return false;
+  }
+  return true;
+}
+
+}  // namespace tccm

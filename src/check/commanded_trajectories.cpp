@@ -1,0 +1,209 @@
+#include "tccm_monitor/check/commanded_trajectories.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tccm_monitor/config_error.h"
+
+namespace tccm {
+namespace {
+
+constexpr double kSplineTolerance = 1e-3;  // [rad or m]
+constexpr double kSearchBack = 0.5;        // [s] along the trajectory
+constexpr double kSearchAhead = 0.5;
+constexpr double kSearchStep = 0.01;
+constexpr double kAsGood = 1e-3;  // [rad or m]
+constexpr double kDone = 0.01;    // [rad or m] left to travel
+constexpr std::size_t kWayPointsMax = 4096;
+
+/// Where a joint is after that time at its velocity.
+double positionAfter(const JointVariable& variable, double position, double velocity,
+                     double time_s) {
+  double ahead = position + time_s * velocity;
+  // A joint measured beyond its limit stays where it is: a clamp must not move it back in.
+  if (variable.lower) ahead = std::max(ahead, std::min(*variable.lower, position));
+  if (variable.upper) ahead = std::min(ahead, std::max(*variable.upper, position));
+  return ahead;
+}
+
+/// The instants at which joints come to their limits, and both ends.
+void appendTurningTimes(const RobotModel& model, const JointSnapshot& joints, double horizon_s,
+                        std::vector<double>& times_s) {
+  times_s.push_back(0.0);
+  times_s.push_back(horizon_s);
+  for (std::size_t v = 0; v < model.variables().size(); ++v) {
+    const JointVariable& variable = model.variables()[v];
+    const double velocity = joints.velocities[v];
+    const std::optional<double>& limit = velocity > 0.0 ? variable.upper : variable.lower;
+    if (!limit || velocity == 0.0) continue;
+    const double time_s = (*limit - joints.positions[v]) / velocity;
+    if (time_s > 0.0 && time_s < horizon_s) times_s.push_back(time_s);
+  }
+}
+
+void sortOut(std::vector<double>& times_s) {
+  std::sort(times_s.begin(), times_s.end());
+  times_s.erase(std::unique(times_s.begin(), times_s.end()), times_s.end());
+}
+
+void extrapolateTo(const RobotModel& model, const JointSnapshot& joints, double time_s,
+                   std::vector<double>& positions) {
+  positions.resize(joints.positions.size());
+  for (std::size_t v = 0; v < positions.size(); ++v) {
+    positions[v] =
+        positionAfter(model.variables()[v], joints.positions[v], joints.velocities[v], time_s);
+  }
+}
+
+bool shareAny(const std::vector<std::size_t>& a, const std::vector<std::size_t>& b) {
+  return std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) != a.end();
+}
+
+}  // namespace
+
+void extrapolate(const RobotModel& model, const JointSnapshot& joints, double horizon_s,
+                 JointPath& path) {
+  thread_local std::vector<double> times_s, positions;
+  times_s.clear();
+  appendTurningTimes(model, joints, horizon_s, times_s);
+  sortOut(times_s);
+  path.clear();
+  for (const double time_s : times_s) {
+    extrapolateTo(model, joints, time_s, positions);
+    path.add(time_s, positions);
+  }
+}
+
+void CommandedTrajectories::Config::validate() const {
+  requireInRange("trajectory_deviation_max", deviation_max, 1e-3, 10.0);
+  requireInRange("trajectory_points_max", static_cast<double>(points_max), 1.0, 1e6);
+}
+
+CommandedTrajectories::CommandedTrajectories(const RobotModel& model, const Config& config)
+    : config_((config.validate(), config)) {
+  times_s_.reserve(kWayPointsMax);
+  positions_.resize(model.variables().size());
+  way_point_.resize(model.variables().size());
+}
+
+void CommandedTrajectories::clear() {
+  active_.clear();
+  defect_.clear();
+}
+
+std::string CommandedTrajectories::command(Time now, const JointTrajectory& trajectory,
+                                           const RobotModel& model,
+                                           const std::vector<double>& positions) {
+  const bool cancels = trajectory.points.empty();
+  if (cancels && trajectory.names.empty()) {
+    clear();
+    return {};
+  }
+  defect_.clear();
+  if (trajectory.points.size() > config_.points_max) {
+    defect_ = "it has more than trajectory_points_max points";
+  } else {
+    JointTrajectory named = trajectory;
+    if (cancels) named.points.push_back({0.0, std::vector<double>(named.names.size()), {}, {}});
+    defect_ = defectOf(named, model);
+  }
+  if (defect_.empty() && !cancels && positions.empty()) {
+    defect_ = "where the robot is when it starts is not known";
+  }
+  if (!defect_.empty()) {
+    active_.clear();
+    return defect_;
+  }
+  const std::vector<std::size_t> variables = variablesOf(trajectory, model);
+  active_.erase(
+      std::remove_if(active_.begin(), active_.end(),
+                     [&](const Active& other) { return shareAny(other.variables, variables); }),
+      active_.end());
+  if (cancels) return {};
+  Active active{variables, JointPath(positions.size()), 0.0, now};
+  makePath(trajectory, model, positions, kSplineTolerance, active.path);
+  active.at_s = active.path.begin();
+  active_.push_back(std::move(active));
+  return {};
+}
+
+double CommandedTrajectories::deviation(const Active& active, double time_s,
+                                        const std::vector<double>& positions) {
+  active.path.positionsAt(time_s, positions_);
+  double largest = 0.0;
+  for (const std::size_t v : active.variables) {
+    largest = std::max(largest, std::abs(positions_[v] - positions[v]));
+  }
+  return largest;
+}
+
+bool CommandedTrajectories::isDone(const Active& active) {
+  active.path.travelUntil(active.path.end(), way_point_);
+  active.path.travelUntil(active.at_s, positions_);
+  return std::all_of(active.variables.begin(), active.variables.end(),
+                     [this](std::size_t v) { return way_point_[v] - positions_[v] <= kDone; });
+}
+
+bool CommandedTrajectories::moveOn(Active& active, Time now, const std::vector<double>& positions) {
+  const double begin = std::max(active.path.begin(), active.at_s - kSearchBack);
+  const double end = std::min(active.path.end(), active.at_s + kSearchAhead);
+  // Of the first valley that is reached from where it was, the lowest place.
+  double best_s = active.at_s;
+  double least = deviation(active, active.at_s, positions);
+  const auto search = [&](double limit, double step) {
+    for (double s = active.at_s + step; step > 0.0 ? s <= limit : s >= limit; s += step) {
+      const double here = deviation(active, s, positions);
+      if (here > least + config_.deviation_max) break;
+      if (here < least) {
+        least = here;
+        best_s = s;
+      }
+    }
+  };
+  search(end, kSearchStep);
+  search(begin, -kSearchStep);
+  // Where it makes no difference, as during a pause, time goes on.
+  const double by_clock = std::min(end, active.at_s + std::max(0.0, toSeconds(now - active.asked)));
+  active.asked = now;
+  if (by_clock > best_s && deviation(active, by_clock, positions) <= least + kAsGood) {
+    best_s = by_clock;
+  }
+  active.at_s = best_s;
+  if (least > config_.deviation_max) {
+    ++abandoned_;
+    return false;
+  }
+  return !isDone(active);
+}
+
+void CommandedTrajectories::follow(Time now, const std::vector<double>& positions) {
+  active_.erase(std::remove_if(active_.begin(), active_.end(),
+                               [&](Active& active) { return !moveOn(active, now, positions); }),
+                active_.end());
+}
+
+void CommandedTrajectories::makeWay(const RobotModel& model, const JointSnapshot& joints,
+                                    double horizon_s, JointPath& path) {
+  times_s_.clear();
+  appendTurningTimes(model, joints, horizon_s, times_s_);
+  for (const Active& active : active_) {
+    for (std::size_t i = 0; i < active.path.size() && times_s_.size() < kWayPointsMax; ++i) {
+      const double time_s = active.path.time(i) - active.at_s;
+      if (time_s > 0.0 && time_s < horizon_s) times_s_.push_back(time_s);
+    }
+  }
+  sortOut(times_s_);
+  path.clear();
+  path.add(0.0, joints.positions);
+  for (const double time_s : times_s_) {
+    if (time_s <= 0.0) continue;
+    extrapolateTo(model, joints, time_s, way_point_);
+    for (const Active& active : active_) {
+      active.path.positionsAt(active.at_s + time_s, positions_);
+      for (const std::size_t v : active.variables) way_point_[v] = positions_[v];
+    }
+    path.add(time_s, way_point_);
+  }
+}
+
+}  // namespace tccm

@@ -1,0 +1,82 @@
+#include "tccm_monitor/check/moving_out.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "tccm_monitor/geometry/distance.h"
+#include "used_body.h"
+
+namespace tccm {
+namespace {
+
+constexpr int kSamples = 6;
+constexpr double kNoise = 0.002;  // [m] by which a distance may shrink without closing
+constexpr double kOpens = 0.003;  // [m] by which it has to grow over the way
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+MovingOut::MovingOut(std::shared_ptr<const RobotModel> model, const PoseCheck::Config& config)
+    : model_(std::move(model)),
+      used_(model_->shapesFor(config.collision_use, kCollisionKeys)),
+      body_(bodyOf(*model_, used_)),
+      kinematics_(model_),
+      collision_(config.collision),
+      contacts_max_(static_cast<std::size_t>(config.collision.contacts_max)) {
+  for (const std::size_t shape : used_.shapes)
+    cores_.push_back(core(model_->shapes()[shape].shape));
+  pairs_.reserve(contacts_max_);
+  least_m_.resize(used_.shapes.size());
+}
+
+void MovingOut::place(const JointPath& way, double time_s, const std::vector<Pose>& T_fixed_roots) {
+  way.positionsAt(time_s, positions_);
+  kinematics_.update(positions_, T_fixed_roots);
+  tccm::place(used_.shapes, kinematics_.shapePoses(), body_);
+}
+
+double MovingOut::coreDistance(const CuboidMap& map, std::size_t shape,
+                               std::uint32_t cuboid) const {
+  return distance(cores_[shape], body_.poses[shape], map.box(map.cuboids[cuboid]));
+}
+
+bool MovingOut::closesAny(const CuboidMap& map) {
+  for (Pair& pair : pairs_) {
+    const double metres = coreDistance(map, pair.shape, pair.cuboid);
+    if (metres < pair.last_m - kNoise) return true;
+    pair.last_m = std::max(pair.last_m, metres);
+  }
+  // Cuboids that came into reach since: not nearer than what touched before.
+  const std::vector<Contact>& contacts = collision_.find(map, body_);
+  return std::any_of(contacts.begin(), contacts.end(), [&](const Contact& contact) {
+    const double least = least_m_[contact.shape];
+    return least == kInfinity || coreDistance(map, contact.shape, contact.cuboid) < least - kNoise;
+  });
+}
+
+bool MovingOut::opens(const CuboidMap& map, const std::vector<Contact>& contacts,
+                      const JointPath& way, double until_s, const std::vector<Pose>& T_fixed_roots,
+                      bool must_open) {
+  if (contacts.size() >= contacts_max_) return false;  // not all of them are known
+  place(way, way.begin(), T_fixed_roots);
+  pairs_.clear();
+  std::fill(least_m_.begin(), least_m_.end(), kInfinity);
+  for (const Contact& contact : contacts) {
+    const auto used = std::find(used_.shapes.begin(), used_.shapes.end(), contact.shape);
+    const auto shape = static_cast<std::size_t>(used - used_.shapes.begin());
+    const double metres = coreDistance(map, shape, contact.cuboid);
+    if (metres == 0.0) return false;
+    pairs_.push_back({shape, contact.cuboid, metres, metres});
+    least_m_[shape] = std::min(least_m_[shape], metres);
+  }
+  for (int k = 1; k <= kSamples; ++k) {
+    place(way, way.begin() + (until_s - way.begin()) * k / kSamples, T_fixed_roots);
+    if (closesAny(map)) return false;
+  }
+  // Of each shape what was nearest has to recede; the rest must only not come nearer.
+  return !must_open || std::all_of(pairs_.begin(), pairs_.end(), [this](const Pair& pair) {
+    return pair.first_m > least_m_[pair.shape] || pair.last_m >= pair.first_m + kOpens;
+  });
+}
+
+}  // namespace tccm

@@ -1,0 +1,111 @@
+#include "tccm_monitor/check/permission.h"
+
+#include <algorithm>
+
+#include "tccm_monitor/config_error.h"
+
+namespace tccm {
+namespace {
+
+/// Holds until it is reset.
+bool isLasting(Reason reason) {
+  return reason == Reason::kCollision || levelOf(reason) == Level::kFault;
+}
+
+}  // namespace
+
+void Permission::Config::validate() const {
+  requireInRange("release_s", release_s, 0.0, 600.0);
+  requireInRange("release_checks", release_checks, 1, 10000);
+  requireInRange("speed_scale_rise_per_s", speed_scale_rise_per_s, 0.01, 1000.0);
+}
+
+Permission::Permission(const Config& config) : config_((config.validate(), config)) {
+  decision_.reasons.reserve(32);
+}
+
+void Permission::reconfigure(const Config& config) {
+  config.validate();
+  config_ = config;
+}
+
+void Permission::startAnew() { *this = Permission(config_); }
+
+bool Permission::needsRelease(const Cause& cause) const {
+  const bool found = cause.reason > Reason::kInit && cause.level == Level::kStop;
+  return found || (was_known_ && cause.level == Level::kFault);
+}
+
+void Permission::latch(const Cause& cause) {
+  if (!config_.hold_until_reset || !isLasting(cause.reason)) return;
+  // A fault before anything was known only says that the robot's other nodes are still starting.
+  if (levelOf(cause.reason) == Level::kFault && !was_known_) return;
+  if (latched_.reason < cause.reason) latched_ = cause;
+}
+
+Cause Permission::held(Time now, const Findings& findings, bool moving_out) {
+  if (latched_.reason != Reason::kClear &&
+      !(moving_out && levelOf(latched_.reason) != Level::kFault)) {
+    return {Reason::kAwaitingReset,
+            std::string(tccm::name(latched_.reason)) + " holds until reset: " + latched_.detail,
+            latched_.link};
+  }
+  if (!last_stop_ || moving_out) return {};
+  const Duration release = std::max(fromSeconds(config_.release_s), findings.window);
+  if (now - *last_stop_ >= release && clear_checks_ >= config_.release_checks) {
+    last_stop_.reset();
+    return {};
+  }
+  return {Reason::kReleasing, "clear, but not for a whole window yet"};
+}
+
+void Permission::moveScale(Time now, double wanted) {
+  const double last = decision_.speed_scale;
+  const double rise = last_ ? config_.speed_scale_rise_per_s * toSeconds(now - *last_) : 0.0;
+  decision_.speed_scale = wanted <= last ? wanted : std::min(wanted, last + rise);
+  last_ = now;
+}
+
+const Permission::Decision& Permission::decide(Time now, Findings& findings) {
+  was_known_ = was_known_ || findings.known;
+  std::stable_sort(findings.causes.begin(), findings.causes.end(),
+                   [](const Cause& a, const Cause& b) { return a.isWorseThan(b); });
+  Cause worst = findings.causes.empty() ? Cause() : findings.causes.front();
+  bool moving_out = false;
+  latch(findings.touching);
+  lasting_ = findings.touching.reason;
+  decision_.reasons.clear();
+  for (const Cause& cause : findings.causes) {
+    latch(cause);
+    moving_out = moving_out || cause.reason == Reason::kMovingOut;
+    if (isLasting(cause.reason)) lasting_ = std::max(lasting_, cause.reason);
+    decision_.reasons.push_back(cause.reason);
+  }
+  const bool is_stop = worst.level >= Level::kStop;
+  // What is not known to be clear does not count towards the release.
+  if (last_stop_ ? is_stop || moving_out : needsRelease(worst)) {
+    last_stop_ = now;
+    clear_checks_ = 0;
+  } else if (last_stop_) {
+    ++clear_checks_;
+  }
+  if (const Cause hold = held(now, findings, moving_out); hold.reason != Reason::kClear) {
+    decision_.reasons.push_back(hold.reason);
+    if (hold.isWorseThan(worst)) {
+      worst = hold;
+      std::rotate(decision_.reasons.begin(), decision_.reasons.end() - 1, decision_.reasons.end());
+    }
+  }
+  decision_.worst = worst;
+  decision_.latched = latched_.reason;
+  moveScale(now, worst.level >= Level::kStop ? 0.0 : findings.speed_scale);
+  return decision_;
+}
+
+std::string Permission::reset() {
+  if (lasting_ != Reason::kClear) return std::string(tccm::name(lasting_)) + " lasts";
+  latched_ = {};
+  return {};
+}
+
+}  // namespace tccm

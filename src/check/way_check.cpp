@@ -1,0 +1,181 @@
+#include "tccm_monitor/check/way_check.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "tccm_monitor/geometry/distance.h"
+#include "used_body.h"
+
+namespace tccm {
+namespace {
+
+constexpr std::size_t kDepthMax = 24;  // halvings; a way of a kilometre in steps of 0.1 mm
+constexpr int kSpeedSamples = 4;
+
+std::vector<double> radiiOf(const Body& body, double margin_m) {
+  std::vector<double> radii;
+  for (const Shape& shape : body.shapes) {
+    radii.push_back(boundingRadius(expanded(shape, {1.0, margin_m})));
+  }
+  return radii;
+}
+
+/// How far a point within that radius of a frame's origin moves at most from one pose of the frame
+/// to another, on the shortest way.
+double displacement(const Pose& from, const Pose& to, double radius_m) {
+  const Eigen::Matrix3d turn = from.linear().transpose() * to.linear();
+  const double angle = std::acos(std::clamp(0.5 * (turn.trace() - 1.0), -1.0, 1.0));
+  return (to.translation() - from.translation()).norm() + angle * radius_m;
+}
+
+}  // namespace
+
+WayCheck::WayCheck(std::shared_ptr<const RobotModel> model, const LinkUse& collision_use,
+                   const CollisionCheck::Config& collision, double step_m, double margin_max_m)
+    : model_(std::move(model)),
+      used_(model_->shapesFor(collision_use, kCollisionKeys)),
+      body_(bodyOf(*model_, used_)),
+      grown_(body_),
+      margins_m_(body_.shapes.size(), 0.0),
+      speeds_mps_(body_.shapes.size(), 0.0),
+      kinematics_(model_),
+      collision_(collision),
+      bound_(*model_, used_.shapes, radiiOf(body_, margin_max_m)),
+      reach_max_m_(0.5 * step_m),
+      stretches_(kDepthMax + 1) {
+  const std::size_t variables = model_->variables().size();
+  for (Stretch& stretch : stretches_) {
+    stretch.shapes.reserve(body_.shapes.size());
+    for (auto* values : {&stretch.travel_from, &stretch.travel_middle, &stretch.travel_to,
+                         &stretch.travel, &stretch.positions}) {
+      values->resize(variables);
+    }
+  }
+}
+
+void WayCheck::clearMargins() {
+  std::fill(margins_m_.begin(), margins_m_.end(), 0.0);
+  growBodies();
+}
+
+void WayCheck::setMargins(const JointPath& path, double from_s, double to_s,
+                          const std::vector<Pose>& T_fixed_roots, const Margin& margin) {
+  std::fill(speeds_mps_.begin(), speeds_mps_.end(), 0.0);
+  const double step_s = (to_s - from_s) / kSpeedSamples;
+  std::vector<double>& positions = stretches_.front().positions;
+  for (int k = 0; step_s > 0.0 && k <= kSpeedSamples; ++k) {
+    path.positionsAt(from_s + k * step_s, positions);
+    kinematics_.update(positions, T_fixed_roots);
+    for (std::size_t i = 0; i < used_.shapes.size(); ++i) {
+      const Pose& pose = kinematics_.shapePoses()[used_.shapes[i]];
+      if (k > 0) {
+        const double moved = displacement(body_.poses[i], pose, boundingRadius(body_.shapes[i]));
+        speeds_mps_[i] = std::max(speeds_mps_[i], moved / step_s);
+      }
+      body_.poses[i] = pose;
+    }
+  }
+  for (std::size_t i = 0; i < margins_m_.size(); ++i) {
+    margins_m_[i] = std::min(margin.per_speed_s * speeds_mps_[i], margin.max_m);
+  }
+  growBodies();
+}
+
+void WayCheck::growBodies() {
+  for (std::size_t i = 0; i < margins_m_.size(); ++i) {
+    grown_.shapes[i] = expanded(body_.shapes[i], {1.0, margins_m_[i]});
+  }
+}
+
+void WayCheck::place(const Way& way, double time_s, std::vector<double>& positions) {
+  way.path.positionsAt(time_s, positions);
+  kinematics_.update(positions, way.T_fixed_roots);
+  tccm::place(used_.shapes, kinematics_.shapePoses(), grown_);
+  ++poses_;
+}
+
+std::optional<Contact> WayCheck::touching(const CuboidMap& map, std::uint32_t shape) const {
+  const auto cuboid = collision_.first(map, grown_.shapes[shape], grown_.poses[shape], shape);
+  if (!cuboid) return std::nullopt;
+  return Contact{shape, *cuboid};
+}
+
+double WayCheck::reach(std::uint32_t shape, const std::vector<double>& from,
+                       const std::vector<double>& middle, const std::vector<double>& to,
+                       std::vector<double>& travel) const {
+  for (std::size_t v = 0; v < travel.size(); ++v) {
+    travel[v] = std::max(middle[v] - from[v], to[v] - middle[v]);
+  }
+  return bound_.displacement(shape, travel);
+}
+
+std::optional<WayCheck::Found> WayCheck::at(const Way& way, double time_s) {
+  place(way, time_s, stretches_.front().positions);
+  for (std::uint32_t shape = 0; shape < grown_.shapes.size(); ++shape) {
+    if (const auto contact = touching(way.map, shape)) return Found{time_s, *contact};
+  }
+  return std::nullopt;
+}
+
+/// @pre stretches_[depth].shapes are those to look at.
+std::optional<WayCheck::Found> WayCheck::search(const Way& way, double from_s, double to_s,
+                                                std::size_t depth) {
+  Stretch& stretch = stretches_[depth];
+  const double middle_s = 0.5 * (from_s + to_s);
+  place(way, middle_s, stretch.positions);
+  way.path.travelUntil(from_s, stretch.travel_from);
+  way.path.travelUntil(middle_s, stretch.travel_middle);
+  way.path.travelUntil(to_s, stretch.travel_to);
+  double furthest = 0.0;
+  std::optional<Found> found;
+  std::size_t near = 0;
+  for (const std::uint32_t shape : stretch.shapes) {
+    const double moved =
+        reach(shape, stretch.travel_from, stretch.travel_middle, stretch.travel_to, stretch.travel);
+    const Shape swept = expanded(grown_.shapes[shape], {1.0, moved});
+    if (!collision_.first(way.map, swept, grown_.poses[shape], shape)) continue;
+    stretch.shapes[near++] = shape;
+    furthest = std::max(furthest, moved);
+    if (found) continue;
+    if (const auto contact = touching(way.map, shape)) found = Found{middle_s, *contact};
+  }
+  stretch.shapes.resize(near);
+  if (near == 0) return std::nullopt;
+  if (furthest <= reach_max_m_ || depth == kDepthMax) return found;
+  stretches_[depth + 1].shapes = stretch.shapes;
+  if (const auto earlier = search(way, from_s, middle_s, depth + 1)) return earlier;
+  if (found) return found;
+  stretches_[depth + 1].shapes = stretch.shapes;
+  return search(way, middle_s, to_s, depth + 1);
+}
+
+std::optional<WayContact> WayCheck::firstContact(const CuboidMap& map, const JointPath& path,
+                                                 double from_s, double to_s,
+                                                 const std::vector<Pose>& T_fixed_roots,
+                                                 bool look_at_begin) {
+  const Way way{map, path, T_fixed_roots};
+  poses_ = 0;
+  std::optional<Found> found;
+  if (look_at_begin) found = at(way, from_s);
+  if (!found && to_s > from_s) {
+    auto& shapes = stretches_.front().shapes;
+    shapes.resize(grown_.shapes.size());
+    for (std::uint32_t i = 0; i < shapes.size(); ++i) shapes[i] = i;
+    found = search(way, from_s, to_s, 0);
+    if (!found) found = at(way, to_s);
+  }
+  if (!found) return std::nullopt;
+  WayContact contact;
+  contact.time_s = found->time_s - from_s;
+  contact.link_speed_mps = speeds_mps_[found->contact.shape];
+  place(way, from_s, stretches_.front().positions);
+  contact.distance_m =
+      distance(grown_.shapes[found->contact.shape], grown_.poses[found->contact.shape],
+               map.box(map.cuboids[found->contact.cuboid]));
+  contact.contact = {static_cast<std::uint32_t>(used_.shapes[found->contact.shape]),
+                     found->contact.cuboid};
+  return contact;
+}
+
+}  // namespace tccm

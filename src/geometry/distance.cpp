@@ -1,0 +1,209 @@
+#include "tccm_monitor/geometry/distance.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "segment_box.h"
+
+namespace tccm {
+namespace {
+
+constexpr double kTolerance = 0.5e-6;  // between the bounds of an iterated distance [m]
+constexpr int kMostIterations = 100;
+
+/// A point's components, each with the sign of the other vector's.
+Vector3 corner(const Vector3& half, const Vector3& towards) {
+  return {std::copysign(half.x(), towards.x()), std::copysign(half.y(), towards.y()),
+          std::copysign(half.z(), towards.z())};
+}
+
+/// The shape's point furthest in a direction: both along the fixed frame's axes, from the shape's
+/// centre.
+struct BoxSupport {
+  Eigen::Matrix3d axes;
+  Vector3 half_extents;
+
+  Vector3 operator()(const Vector3& towards) const {
+    return axes * corner(half_extents, axes.transpose() * towards);
+  }
+};
+
+struct CylinderSupport {
+  Eigen::Matrix3d axes;
+  Cylinder cylinder;
+
+  Vector3 operator()(const Vector3& towards) const {
+    const Vector3 d = axes.transpose() * towards;
+    const double across = std::sqrt(d.x() * d.x() + d.y() * d.y());
+    const double scale = across > 0.0 ? cylinder.radius / across : 0.0;
+    return axes * Vector3(d.x() * scale, d.y() * scale, std::copysign(cylinder.half_length, d.z()));
+  }
+};
+
+/// The corners of a point, segment, triangle or tetrahedron.
+class Simplex {
+ public:
+  [[nodiscard]] bool isFull() const { return count_ == points_.size(); }
+
+  void add(const Vector3& p) { points_[count_++] = p; }
+
+  /// The point of the simplex nearest to 0; the newest corner must be one of those it lies between,
+  /// and just these are kept: all four where 0 is inside. However flat the simplex is, the point is
+  /// an average of its corners with weights above 0, and so in the simplex but for rounding.
+  Vector3 reduce() {
+    const Vector3 newest = points_[count_ - 1];
+    nearest_ = newest;
+    least_ = newest.squaredNorm();
+    kept_ = 0;
+    for (unsigned i = 0; i + 1 < count_; ++i) {
+      edges_[i] = points_[i] - newest;
+      offerEdge(i);
+      for (unsigned j = 0; j < i; ++j) offerTriangle(i, j);
+    }
+    if (isFull()) offerTetrahedron();
+    std::size_t count = 0;
+    for (unsigned i = 0; i + 1 < count_; ++i) {
+      if (kept_ & (1U << i)) points_[count++] = points_[i];
+    }
+    points_[count++] = newest;
+    count_ = count;
+    return nearest_;
+  }
+
+ private:
+  void offer(const Vector3& p, unsigned corners) {
+    const double norm2 = p.squaredNorm();
+    if (!(norm2 < least_)) return;
+    nearest_ = p;
+    least_ = norm2;
+    kept_ = corners;
+  }
+
+  void offerEdge(unsigned i) {
+    const double along = -newest().dot(edges_[i]);
+    const double length2 = edges_[i].squaredNorm();
+    if (!(along > 0.0 && along < length2)) return;
+    offer(newest() + along / length2 * edges_[i], 1U << i);
+  }
+
+  void offerTriangle(unsigned i, unsigned j) {
+    const Vector3 normal = edges_[i].cross(edges_[j]);
+    const double area2 = normal.squaredNorm();
+    const double to_i = edges_[j].cross(newest()).dot(normal);
+    const double to_j = newest().cross(edges_[i]).dot(normal);
+    if (!(to_i > 0.0 && to_j > 0.0 && to_i + to_j < area2)) return;
+    offer(newest() + to_i / area2 * edges_[i] + to_j / area2 * edges_[j], 1U << i | 1U << j);
+  }
+
+  void offerTetrahedron() {
+    const Vector3 normal = edges_[1].cross(edges_[2]);
+    const Vector3 moment = edges_[0].cross(newest());
+    const double volume = edges_[0].dot(normal);
+    const double a = -newest().dot(normal) / volume;
+    const double b = -edges_[2].dot(moment) / volume;
+    const double c = edges_[1].dot(moment) / volume;
+    if (!(a > 0.0 && b > 0.0 && c > 0.0 && a + b + c < 1.0)) return;
+    offer(newest() + a * edges_[0] + b * edges_[1] + c * edges_[2], 7U);
+  }
+
+  [[nodiscard]] const Vector3& newest() const { return points_[count_ - 1]; }
+
+  std::array<Vector3, 4> points_;
+  std::size_t count_ = 0;
+  std::array<Vector3, 3> edges_;  ///< from the newest corner to the others
+  Vector3 nearest_;
+  double least_ = 0.0;  ///< its squared norm
+  unsigned kept_ = 0;   ///< bit i: corner i is needed for it
+};
+
+/// Distance from the box around 0 to a convex shape at centre. Every v != 0 gives a plane between
+/// the two, and so a lower bound; every v of the set of their differences an upper one.
+/// @param v where to look first: about from the box's nearest point to the shape's.
+template <typename Support>
+double iteratedDistance(const Vector3& centre, const Support& support, const Vector3& half,
+                        Vector3 v) {
+  const auto furthest = [&](const Vector3& towards) {
+    return Vector3(centre + support(towards) + corner(half, towards));
+  };
+  double lower = 0.0;
+  double upper = std::numeric_limits<double>::infinity();
+  Simplex simplex;
+  for (int i = 0; i < kMostIterations && !simplex.isFull(); ++i) {
+    const double norm = v.norm();
+    if (!(norm < upper)) break;
+    const Vector3 w = furthest(-v);
+    lower = std::max(lower, v.dot(w) / norm);
+    if (i > 0) upper = norm;
+    if (upper - lower < kTolerance) break;
+    simplex.add(w);
+    v = simplex.reduce();
+  }
+  return lower;
+}
+
+struct Distance {
+  const Pose& T_fixed_shape;
+  Vector3 centre;  ///< the shape's, from the upright box's
+  Vector3 half;    ///< the upright box's
+
+  double operator()(const Sphere& s) const {
+    return std::max(0.0, outside(centre, half).norm() - s.radius);
+  }
+
+  double operator()(const Capsule& c) const {
+    return std::max(0.0, fromAxis(c.half_length).gap.norm() - c.radius);
+  }
+
+  double operator()(const Box& b) const {
+    const Vector3 gap = outside(centre, half);
+    if (gap.isZero(0.0)) return 0.0;
+    return iteratedDistance(centre, BoxSupport{T_fixed_shape.linear(), b.half_extents}, half, gap);
+  }
+
+  /// A cylinder lies in the capsule with its axis, and touches that capsule's side everywhere.
+  double operator()(const Cylinder& c) const {
+    const FromAxis nearest = fromAxis(c.half_length);
+    const double to_axis = nearest.gap.norm();
+    if (nearest.is_inner || !(to_axis > 0.0)) return std::max(0.0, to_axis - c.radius);
+    return iteratedDistance(centre, CylinderSupport{T_fixed_shape.linear(), c}, half, nearest.gap);
+  }
+
+ private:
+  struct FromAxis {
+    Vector3 gap;    ///< from the box's nearest point to the axis'
+    bool is_inner;  ///< whether the latter is none of the axis' ends
+  };
+
+  [[nodiscard]] FromAxis fromAxis(double half_length) const {
+    const Vector3 half_axis = T_fixed_shape.linear().col(2) * half_length;
+    const Vector3 start = centre - half_axis;
+    const double t = nearestOnSegment(start, 2.0 * half_axis, half);
+    return {outside(start + 2.0 * t * half_axis, half), t > 0.0 && t < 1.0};
+  }
+};
+
+struct Core {
+  Shape operator()(const Box& box) const {
+    return Box{box.half_extents.array() - box.half_extents.minCoeff()};
+  }
+  Shape operator()(const Cylinder& c) const { return Capsule{0.0, c.half_length}; }
+  Shape operator()(const Capsule& c) const { return Capsule{0.0, c.half_length}; }
+  Shape operator()(const Sphere& /*sphere*/) const { return Sphere{0.0}; }
+};
+
+}  // namespace
+
+double distance(const Shape& shape, const Pose& T_fixed_shape, const UprightBox& box) {
+  const Vector3 centre = T_fixed_shape.translation() - box.center();
+  return std::visit(Distance{T_fixed_shape, centre, 0.5 * box.sizes()}, shape);
+}
+
+double distanceBound(const UprightBox& bounds_of_shape, const UprightBox& box) {
+  return bounds_of_shape.exteriorDistance(box);
+}
+
+Shape core(const Shape& shape) { return std::visit(Core{}, shape); }
+
+}  // namespace tccm
