@@ -13,7 +13,9 @@ constexpr double kSearchBack = 0.5;        // [s] along the trajectory
 constexpr double kSearchAhead = 0.5;
 constexpr double kSearchStep = 0.01;
 constexpr double kAsGood = 1e-3;  // [rad or m]
-constexpr double kDone = 0.01;    // [rad or m] left to travel
+constexpr double kBetter = 1e-6;
+constexpr double kRidge = 0.02;
+constexpr double kDone = 0.01;  // [rad or m] left to travel
 constexpr std::size_t kWayPointsMax = 4096;
 
 /// Where a joint is after that time at its velocity.
@@ -153,8 +155,8 @@ bool CommandedTrajectories::moveOn(Active& active, Time now, const std::vector<d
   const auto search = [&](double limit, double step) {
     for (double s = active.at_s + step; step > 0.0 ? s <= limit : s >= limit; s += step) {
       const double here = deviation(active, s, positions);
-      if (here > least + config_.deviation_max) break;
-      if (here < least) {
+      if (here > least + kRidge) break;  // a later place on the same way back is no better
+      if (here < least - kBetter) {
         least = here;
         best_s = s;
       }

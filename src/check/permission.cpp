@@ -89,12 +89,10 @@ const Permission::Decision& Permission::decide(Time now, Findings& findings) {
   } else if (last_stop_) {
     ++clear_checks_;
   }
-  if (const Cause hold = held(now, findings, moving_out); hold.reason != Reason::kClear) {
-    decision_.reasons.push_back(hold.reason);
-    if (hold.isWorseThan(worst)) {
-      worst = hold;
-      std::rotate(decision_.reasons.begin(), decision_.reasons.end() - 1, decision_.reasons.end());
-    }
+  const Cause hold = held(now, findings, moving_out);
+  if (hold.isWorseThan(worst)) {
+    worst = hold;
+    decision_.reasons.insert(decision_.reasons.begin(), hold.reason);
   }
   decision_.worst = worst;
   decision_.latched = latched_.reason;

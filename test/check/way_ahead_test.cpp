@@ -1,0 +1,168 @@
+/// Levels by time to contact, through the Checker that acts on them.
+
+#include "tccm_monitor/check/way_ahead.h"
+
+#include <cmath>
+
+#include "support/checker_fixture.h"
+#include "tccm_monitor/config_error.h"
+
+namespace tccm {
+namespace {
+
+using test::at;
+using test::kStart;
+
+/// The hand is a ball; padded it touches the post from a slide of 0.71 m on.
+class WayAheadTest : public test::CheckerFixture {
+ protected:
+  WayAheadTest() {
+    config_.way = {};
+    config_.permission.speed_scale_rise_per_s = 1000.0;
+    config_.inputs.joint_timeout_s = 1.0;
+    remake();
+  }
+  static constexpr double kTouches = 0.71;
+  double latency_s_ = 0.0;
+
+  /// The verdict on a hand that would touch after that time.
+  const Verdict& touchingIn(double time_s, double speed = 0.4) {
+    remake();
+    checker_->setLatency(latency_s_);
+    const double slide = kTouches + 1e-4 - time_s * speed;
+    feedAndCheck(kStart - 1.0, clear_, slide);
+    return feedAndCheck(kStart, post_, slide, speed);
+  }
+};
+
+TEST_F(WayAheadTest, ANearContactStopsAndAFarOneSlowsDown) {
+  // 0.3 s, 0.02 s of reaction, and 0.1 s for braking from 0.4 m/s at 2 m/s^2.
+  const Verdict& near = touchingIn(0.40);
+  EXPECT_EQ(near.reason, Reason::kCollisionAhead);
+  EXPECT_EQ(near.level, Level::kStop);
+  EXPECT_TRUE(near.stop && near.collision);
+  EXPECT_EQ(near.speed_scale, 0.0);
+  const Verdict& far = touchingIn(0.46);
+  EXPECT_EQ(far.reason, Reason::kCollisionAhead);
+  EXPECT_EQ(far.level, Level::kSlow);
+  EXPECT_FALSE(far.stop);
+  EXPECT_TRUE(far.collision);
+  EXPECT_GT(far.speed_scale, 0.1);
+  EXPECT_LT(far.speed_scale, 0.8);
+}
+
+TEST_F(WayAheadTest, TheNearerTheContactTheSlower) {
+  double last = 0.0;
+  for (const double time_s : {0.44, 0.46, 0.48, 0.495}) {
+    const double scale = touchingIn(time_s).speed_scale;
+    EXPECT_GT(scale, last) << time_s;
+    last = scale;
+  }
+}
+
+TEST_F(WayAheadTest, TheFirstContactIsToldWithTimeDistanceLinkAndCuboid) {
+  const Verdict& verdict = touchingIn(0.25);
+  ASSERT_TRUE(verdict.first_contact);
+  const WayContact& first = *verdict.first_contact;
+  EXPECT_NEAR(first.time_s, 0.25, 0.03);
+  EXPECT_NEAR(first.distance_m, 0.1, 1e-3);
+  EXPECT_NEAR(first.link_speed_mps, 0.4, 1e-6);
+  EXPECT_EQ(model_->linkOf(first.contact.shape), "hand");
+  const UprightBox box = post_.box(post_.cuboids[first.contact.cuboid]);
+  EXPECT_NEAR(box.min().x(), 0.8, 0.021);
+  EXPECT_FALSE(verdict.now.collision);
+}
+
+TEST_F(WayAheadTest, AFasterLinkStopsEarlier) {
+  EXPECT_EQ(touchingIn(0.46, 0.4).level, Level::kSlow);
+  EXPECT_EQ(touchingIn(0.46, 0.8).level, Level::kStop) << "braking takes 0.2 s";
+}
+
+TEST_F(WayAheadTest, LatencyStopsEarlier) {
+  latency_s_ = 0.1;
+  EXPECT_EQ(touchingIn(0.46).level, Level::kStop);
+}
+
+/// Beside the post, in passing.
+TEST_F(WayAheadTest, WhatOnlyTheMarginForItsSpeedTouchesSlowsDown) {
+  CuboidMap wall = clear_;
+  // The hand moves along x at y = 0; the padded ball's side is at y = 0.09.
+  test::addBlock(wall, {Vector3(-0.5, 0.101, 0.3), Vector3(1.2, 0.2, 0.7)});
+  const Verdict& slow = feedAndCheck(kStart, wall, 0.0, 0.05);
+  EXPECT_EQ(slow.reason, Reason::kClear) << slow.detail;
+  checker_->setLatency(0.05);
+  const Verdict& fast = feedAndCheck(kStart + 0.01, wall, 0.0, 0.6);
+  EXPECT_EQ(fast.reason, Reason::kCollisionAhead);
+  EXPECT_EQ(fast.level, Level::kSlow);
+  EXPECT_FALSE(fast.collision) << "it does not touch";
+  ASSERT_TRUE(fast.first_contact);
+  EXPECT_TRUE(fast.first_contact->by_margin);
+}
+
+TEST_F(WayAheadTest, TheAgeOfTheJointStatesCountsAsLatency) {
+  EXPECT_EQ(touchingIn(0.46).level, Level::kSlow);
+  setMap(kStart + 0.07, post_);
+  EXPECT_EQ(check(kStart + 0.07).level, Level::kStop);
+}
+
+TEST_F(WayAheadTest, ACommandedTrajectoryCountsAlthoughTheRobotStandsStill) {
+  feed(kStart, post_, 0.5);
+  EXPECT_EQ(check(kStart).reason, Reason::kClear);
+  EXPECT_EQ(checker_->command(at(kStart), {{"slide"}, {{1.0, {1.0}, {}, {}}}}), "");
+  const Verdict& verdict = check(kStart);
+  EXPECT_EQ(verdict.reason, Reason::kCollisionAhead);
+  EXPECT_TRUE(verdict.follows_trajectory);
+  EXPECT_NEAR(verdict.first_contact->time_s, 0.42, 0.05);
+  EXPECT_EQ(checker_->command(at(kStart), {}), "");
+  EXPECT_FALSE(check(kStart).follows_trajectory);
+  EXPECT_FALSE(check(kStart).collision);
+}
+
+TEST_F(WayAheadTest, OfVelocityAndTrajectoryTheWorseCounts) {
+  feed(kStart, post_, 0.5, 0.6);
+  EXPECT_EQ(checker_->command(at(kStart), {{"slide"}, {{1.0, {0.0}, {}, {}}}}), "");
+  const Verdict& verdict = check(kStart);
+  EXPECT_EQ(verdict.reason, Reason::kCollisionAhead) << "commanded back, measured to go on";
+  EXPECT_NEAR(verdict.first_contact->time_s, 0.35, 0.05);
+}
+
+TEST_F(WayAheadTest, ATrajectoryThatIsNotUnderstoodStopsTheRobotUntilTheNext) {
+  feed(kStart, clear_);
+  checker_->command(at(kStart), {{"sldie"}, {{1.0, {1.0}, {}, {}}}});
+  const Verdict& verdict = check(kStart);
+  EXPECT_EQ(verdict.reason, Reason::kBadTrajectory);
+  EXPECT_TRUE(verdict.stop);
+  EXPECT_NE(verdict.detail.find("'sldie'"), std::string::npos);
+  checker_->command(at(kStart), {});
+  EXPECT_EQ(check(kStart + 0.001).reason, Reason::kReleasing);
+}
+
+TEST_F(WayAheadTest, AHiddenLinkOnlySlowsDownWhereThatIsConfigured) {
+  config_.occlusion_stops = false;
+  remake();
+  feedAndCheck(kStart - 1.0, clear_, 0.6);
+  const Verdict& verdict = feedAndCheck(kStart, shelf_, 0.6);
+  EXPECT_EQ(verdict.reason, Reason::kOcclusion);
+  EXPECT_EQ(verdict.level, Level::kSlow);
+  EXPECT_TRUE(verdict.occlusion);
+  EXPECT_NEAR(verdict.speed_scale, config_.occlusion_slow_scale, 1e-9);
+}
+
+TEST_F(WayAheadTest, ValuesOutOfRangeAreRefused) {
+  const auto refused = [](auto member, double value) {
+    WayAhead::Config config;
+    config.*member = value;
+    EXPECT_THROW(config.validate(), ConfigError) << value;
+  };
+  refused(&WayAhead::Config::horizon_s, -0.1);
+  refused(&WayAhead::Config::step_m, 0.0);
+  refused(&WayAhead::Config::reaction_time_s, -0.1);
+  refused(&WayAhead::Config::margin_max_m, -0.1);
+  refused(&WayAhead::Config::stop_time_s, std::nan(""));
+  refused(&WayAhead::Config::deceleration_mps2, 0.0);
+  refused(&WayAhead::Config::slow_scale_min, 1.1);
+  refused(&WayAhead::Config::moving_out_scale, -0.1);
+}
+
+}  // namespace
+}  // namespace tccm
