@@ -1,5 +1,6 @@
 #include "tccm_monitor/ros/status_conversions.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "tccm_monitor/ros/conversions.h"
@@ -51,6 +52,25 @@ void addFlags(const PoseFindings& findings, const CuboidMap& map, MonitorStatus&
   }
 }
 
+/// On the way ahead the first contact may be another one than those at its end.
+void addContactLink(const Verdict& verdict, const Checker& checker, MonitorStatus& message) {
+  if (!verdict.first_contact || verdict.first_contact->by_margin || verdict.now.collision) return;
+  const std::string& name = checker.model().linkOf(verdict.first_contact->contact.shape);
+  const auto found =
+      std::find_if(message.links.begin(), message.links.end(),
+                   [&name](const LinkStatus& entry) { return entry.ahead && entry.link == name; });
+  if (found != message.links.end()) {
+    found->collision = true;
+    return;
+  }
+  LinkStatus entry;
+  entry.link = name;
+  entry.ahead = entry.collision = true;
+  entry.visible_fraction = 1.0F;
+  entry.clearance = kInfinity;
+  message.links.push_back(entry);
+}
+
 void addContact(const Verdict& verdict, const Checker& checker, MonitorStatus& message) {
   if (!verdict.first_contact) return;
   const WayContact& first = *verdict.first_contact;
@@ -59,6 +79,7 @@ void addContact(const Verdict& verdict, const Checker& checker, MonitorStatus& m
   message.contact_link = checker.model().linkOf(first.contact.shape);
   message.contact_cuboid =
       toFlag(*checker.map(), first.contact.cuboid, tccm_monitor::Cuboid::COLLISION);
+  if (!first.by_margin) message.flagged.push_back(message.contact_cuboid);
 }
 
 std::vector<std::string> namesOf(const Verdict& verdict) {
@@ -112,6 +133,7 @@ void toMessage(const Verdict& verdict, const Checker& checker,
   message.flagged.clear();
   addLinks(verdict.now, verdict.clearances, false, checker, message);
   addLinks(verdict.ahead, {}, true, checker, message);
+  addContactLink(verdict, checker, message);
   message.time_to_contact_s = message.distance_to_contact_m =
       std::numeric_limits<double>::infinity();
   message.contact_link.clear();

@@ -60,13 +60,22 @@ class ObstacleTest(unittest.TestCase):
 
     def test_the_status_names_reason_link_and_cuboids(self):
         status = self.raised
-        self.assertTrue(status.stop)
-        self.assertEqual(status.level, MonitorStatus.STOP)
+        self.assertIn(status.level, (MonitorStatus.SLOW, MonitorStatus.STOP))
         self.assertIn(status.reason, (self.flag.upper(), self.flag.upper() + "_AHEAD"))
         self.assertTrue(status.link.startswith("right_"), status.link)
         self.assertIn(status.link, [link.link for link in status.links
                                     if getattr(link, self.flag)])
         self.assertGreater(len(status.flagged), 0)
+
+    def test_a_far_contact_slows_the_robot_down_and_a_near_one_stops_it(self):
+        stop = self.recorder.first(lambda status: status.stop, self.rise)
+        self.assertIsNotNone(stop)
+        self.assertLess(stop - self.rise, 0.3)
+        slow = [status for status in self.recorder.between(self.rise, stop)]
+        self.assertEqual({status.level for status in slow} - {MonitorStatus.SLOW}, set())
+        for status in slow:
+            self.assertGreater(status.speed_scale, 0.0)
+            self.assertLess(status.time_to_contact_s, 0.5)
 
     def test_it_falls_and_the_stop_is_held(self):
         self.assertEqual(self.fallen.reason, "RELEASING")
