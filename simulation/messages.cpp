@@ -55,6 +55,18 @@ ros::Time toRos(Time stamp) {
   return ros::Time().fromNSec(static_cast<std::uint64_t>(stamp.time_since_epoch().count()));
 }
 
+ArmCommand toCommand(const trajectory_msgs::JointTrajectory& message, Time now) {
+  const ros::Time& stamp = message.header.stamp;
+  ArmCommand command;
+  command.start = stamp.isZero() ? now : Time(Duration(static_cast<Duration::rep>(stamp.toNSec())));
+  command.joints = message.joint_names;
+  for (const auto& point : message.points) {
+    command.points.push_back(
+        {Duration(point.time_from_start.toNSec()), point.positions, point.velocities});
+  }
+  return command;
+}
+
 sensor_msgs::LaserScan toMessage(const LaserScan& scan, double scan_period_s) {
   sensor_msgs::LaserScan message;
   message.header.stamp = toRos(scan.stamp);

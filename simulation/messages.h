@@ -4,6 +4,7 @@
 #include <sensor_msgs/JointState.h>
 #include <sensor_msgs/LaserScan.h>
 #include <tf2_msgs/TFMessage.h>
+#include <trajectory_msgs/JointTrajectory.h>
 #include <visualization_msgs/MarkerArray.h>
 
 #include "simulation/simulator.h"
@@ -11,6 +12,9 @@
 namespace tccm::simulation {
 
 [[nodiscard]] ros::Time toRos(Time stamp);
+
+/// @param now where the trajectory starts if it has no stamp.
+[[nodiscard]] ArmCommand toCommand(const trajectory_msgs::JointTrajectory& message, Time now);
 
 /// In frame laser_link.
 [[nodiscard]] sensor_msgs::LaserScan toMessage(const LaserScan& scan, double scan_period_s);

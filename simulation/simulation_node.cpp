@@ -12,7 +12,8 @@
 namespace tccm::simulation {
 namespace {
 
-/// The simulated robot, live, at the pace of the wall clock.
+/// The simulated robot, live, at the pace of the wall clock. Arms that are commanded hear nobody's
+/// stop: who commands them has to obey it.
 class SimulationNode {
  public:
   struct Config {
@@ -29,7 +30,12 @@ class SimulationNode {
     transforms_ = node.advertise<tf2_msgs::TFMessage>("/tf", 100);
     truth_ = node.advertise<std_msgs::String>("simulation/truth", 100, true);
     markers_ = node.advertise<visualization_msgs::MarkerArray>("simulation/scene_markers", 1, true);
-    stop_ = node.subscribe("stop", 1, &SimulationNode::hearStop, this);
+    if (config.simulator.motion == kCommanded) {
+      command_ = node.subscribe("command", 10, &SimulationNode::hearCommand, this,
+                                ros::TransportHints().tcpNoDelay());
+    } else {
+      stop_ = node.subscribe("stop", 1, &SimulationNode::hearStop, this);
+    }
   }
 
   void run() {
@@ -48,6 +54,11 @@ class SimulationNode {
  private:
   void hearStop(const std_msgs::Bool& message) {
     go_heard_ = !message.data ? std::optional<Time>(simulator_.now()) : std::nullopt;
+  }
+
+  void hearCommand(const trajectory_msgs::JointTrajectory& message) {
+    const std::string defect = simulator_.command(toCommand(message, simulator_.now()));
+    if (!defect.empty()) ROS_WARN_THROTTLE(1.0, "A command is not taken: %s.", defect.c_str());
   }
 
   /// Silence means stop.
@@ -128,6 +139,7 @@ class SimulationNode {
   ros::Publisher truth_;
   ros::Publisher markers_;
   ros::Subscriber stop_;
+  ros::Subscriber command_;
 };
 
 SimulationNode::Config load(const ros::NodeHandle& node) {
@@ -144,6 +156,8 @@ SimulationNode::Config load(const ros::NodeHandle& node) {
   node.param("gap_m", s.gap_m, s.gap_m);
   node.param("obstacle_speed_mps", s.obstacle_speed_mps, s.obstacle_speed_mps);
   node.param("speed_mps", s.controller.speed_mps, s.controller.speed_mps);
+  node.param("commanded_deceleration_rps2", s.commanded.deceleration_rps2,
+             s.commanded.deceleration_rps2);
   node.param("seed", seed, seed);
   node.param("noise_m", s.scanner.noise_m, s.scanner.noise_m);
   node.param("duration_s", config.duration_s, config.duration_s);

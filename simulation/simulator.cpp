@@ -15,12 +15,14 @@ constexpr Duration kRobotPeriod = std::chrono::milliseconds(10);
 constexpr double kSpacing = 0.01;    // [m] between the points that clearances are measured from
 constexpr double kBringWay = 0.4;    // [m] that an obstacle is brought in from aside
 constexpr double kRoomToHit = 0.04;  // [m] of path that must be left beyond the gap
+constexpr double kOnItsWay = 0.05;   // [m/s] ahead, of a commanded hand
 
 const std::vector<std::string> kHandLinks = {"right_wrist_roll_link", "right_palm_link",
                                              "right_*_finger_link"};
 
 ArmPath pathOf(const Simulator::Config& config, const std::shared_ptr<const RobotModel>& model,
                const World& world) {
+  if (config.motion == kCommanded) return armPath(model, "reach");
   if (config.motion != kWander) return armPath(model, config.motion);
   return wanderPath(model, world,
                     {config.seed, config.wander_length_m, config.controller.speed_mps,
@@ -48,6 +50,7 @@ std::vector<std::string> simulatedMotions() {
 
 void Simulator::Config::validate() const {
   controller.validate();
+  commanded.validate();
   scanner.validate();
   requireInRange("appear_s", appear_s, 0.0, 1e6);
   requireInRange("gap_m", gap_m, 0.01, 0.25);
@@ -56,6 +59,9 @@ void Simulator::Config::validate() const {
   requireInRange("wander_length_m", wander_length_m, 1.0, 1000.0);
   requireInRange("wander_clearance_m", wander_clearance_m, 0.0, 0.2);
   body_error.validate();
+  if (motion == kCommanded && obstacle != ObstacleKind::kNone && obstacle_speed_mps > 0.0) {
+    throw ConfigError("obstacle_speed_mps: must be 0 where the arms are commanded");
+  }
   if (scanner.scanDuration() >= fromSeconds(scanner.period_s)) {
     throw ConfigError("period_s: a turn must last longer than its beams");
   }
@@ -76,10 +82,14 @@ Simulator::Simulator(const Config& config)
       tilt_(variableIndex(*model_, "laser_tilt_joint")),
       sensor_(linkIndex(*model_, "laser_link")),
       palm_(linkIndex(*model_, "right_palm_link")) {
-  requireRoomForObstacle();
-  sampled_hand_ = handAt(0.0).shapes;
-  controller_.step(now_, stop_);
-  kinematics_.update(jointsAt(0.0, now_), {Pose::Identity()});
+  if (config.motion == kCommanded) {
+    commanded_.emplace(config.commanded, model_, path_.positions(0.0), now_);
+  } else {
+    requireRoomForObstacle();
+    controller_.step(now_, stop_);
+  }
+  kinematics_.update(joints(), {Pose::Identity()});
+  sampled_hand_ = handAfter(0.0).shapes;
   snapshots_.push_back(snapshot());
 }
 
@@ -88,50 +98,99 @@ void Simulator::setStop(bool stop) {
   stop_ = stop;
 }
 
+std::string Simulator::command(const ArmCommand& command) {
+  std::string defect = commanded_->command(command);
+  if (defect.empty() && command.points.empty()) truth_.stop_asserted = now_;
+  return defect;
+}
+
 StepOutput Simulator::step() {
   now_ += kStep;
-  const double speed_before = controller_.speed();
-  controller_.step(now_, stop_);
-  if (controller_.braking() && speed_before != 0.0 && controller_.speed() == 0.0) {
-    truth_.halted = now_;
-  }
+  moveArms();
   maybeAddObstacle();
-  const std::vector<double> joints = jointsAt(controller_.distance(), now_);
-  kinematics_.update(joints, {Pose::Identity()});
+  const std::vector<double> positions = joints();
+  kinematics_.update(positions, {Pose::Identity()});
   if (now_ + kStep > scan_start_) snapshots_.push_back(snapshot());
 
   StepOutput output;
   output.scan = maybeFinishScan();
   if ((now_ - config_.start) % kRobotPeriod == Duration::zero()) {
-    output.robot = RobotSample{now_, joints, jointVelocities(), kinematics_.linkPoses()};
+    output.robot = RobotSample{now_, positions, jointVelocities(), kinematics_.linkPoses()};
     recordTruth();
   }
   return output;
 }
 
-std::vector<double> Simulator::jointsAt(double path_distance, Time stamp) const {
-  std::vector<double> joints = path_.positions(path_distance);
-  joints[tilt_] = config_.tilt.position(stamp - config_.start);
+void Simulator::moveArms() {
+  const bool moved = armsMove();
+  if (commanded_) {
+    commanded_->step(now_);
+  } else {
+    controller_.step(now_, stop_);
+  }
+  if (armsBrake() && moved && !armsMove()) truth_.halted = now_;
+}
+
+bool Simulator::armsMove() const {
+  return commanded_ ? commanded_->moves() : controller_.speed() != 0.0;
+}
+
+bool Simulator::armsBrake() const {
+  return commanded_ ? commanded_->holds() : controller_.braking();
+}
+
+std::vector<double> Simulator::joints() const {
+  std::vector<double> joints =
+      commanded_ ? commanded_->positions() : path_.positions(controller_.distance());
+  joints[tilt_] = config_.tilt.position(now_ - config_.start);
   return joints;
 }
 
 std::vector<double> Simulator::jointVelocities() const {
-  std::vector<double> velocities = path_.slopes(controller_.distance());
-  for (double& velocity : velocities) velocity *= controller_.speed();
+  std::vector<double> velocities;
+  if (commanded_) {
+    velocities = commanded_->velocities();
+  } else {
+    velocities = path_.slopes(controller_.distance());
+    for (double& velocity : velocities) velocity *= controller_.speed();
+  }
   velocities[tilt_] = config_.tilt.velocity(now_ - config_.start);
   return velocities;
 }
 
-HandState Simulator::handAt(double path_distance) const {
-  constexpr double kAhead = 1e-3;  // [m] over which the heading is taken
-  const double from = std::min(path_distance, path_.length() - kAhead);
+Vector3 Simulator::palmAt(const std::vector<double>& joints) const {
   Kinematics kinematics(model_);
-  kinematics.update(path_.positions(from + kAhead), {Pose::Identity()});
-  const Vector3 later = kinematics.linkPoses()[palm_].translation();
-  kinematics.update(path_.positions(from), {Pose::Identity()});
-  const Vector3 heading = (later - kinematics.linkPoses()[palm_].translation()).normalized();
+  kinematics.update(joints, {Pose::Identity()});
+  return kinematics.linkPoses()[palm_].translation();
+}
 
-  kinematics.update(path_.positions(path_distance), {Pose::Identity()});
+/// [m/s]
+Vector3 Simulator::commandedPalmVelocity() const {
+  if (!commanded_->moves()) return Vector3::Zero();
+  constexpr double kAhead = 1e-3;  // [s]
+  std::vector<double> later = commanded_->positions();
+  for (std::size_t i = 0; i < later.size(); ++i) later[i] += kAhead * commanded_->velocities()[i];
+  return (palmAt(later) - palmAt(commanded_->positions())) / kAhead;
+}
+
+double Simulator::handSpeed() const {
+  return commanded_ ? commandedPalmVelocity().norm() : controller_.speed();
+}
+
+/// Where the hand is once it has gone on by `way` [m]; a commanded one goes nobody knows where.
+HandState Simulator::handAfter(double way) const {
+  if (commanded_) return handAt(commanded_->positions(), commandedPalmVelocity().normalized());
+  constexpr double kAhead = 1e-3;  // [m] over which the heading is taken
+  const double distance = controller_.distance() + way;
+  const double from = std::min(distance, path_.length() - kAhead);
+  const Vector3 heading =
+      (palmAt(path_.positions(from + kAhead)) - palmAt(path_.positions(from))).normalized();
+  return handAt(path_.positions(distance), heading);
+}
+
+HandState Simulator::handAt(const std::vector<double>& joints, const Vector3& heading) const {
+  Kinematics kinematics(model_);
+  kinematics.update(joints, {Pose::Identity()});
   Body body;
   for (const std::size_t shape : hand_shapes_) {
     body.shapes.push_back(model_->shapes()[shape].shape);
@@ -184,14 +243,18 @@ void Simulator::requireRoomForObstacle() const {
 void Simulator::maybeAddObstacle() {
   if (config_.obstacle == ObstacleKind::kNone || first_obstacle_) return;
   if (now_ < config_.start + fromSeconds(config_.appear_s)) return;
+  if (handIsOnItsWay()) addObstacle(handTravel());
+}
+
+bool Simulator::handIsOnItsWay() const {
+  if (commanded_) return !commanded_->holds() && commandedPalmVelocity().x() > kOnItsWay;
   const double full_speed = 0.99 * config_.controller.speed_mps;
-  if (!controller_.outbound() || controller_.braking() || controller_.speed() < full_speed) return;
-  if (path_.length() - controller_.distance() < roomForObstacle()) return;
-  addObstacle(handTravel());
+  return controller_.outbound() && !controller_.braking() && controller_.speed() >= full_speed &&
+         path_.length() - controller_.distance() >= roomForObstacle();
 }
 
 void Simulator::addObstacle(double hand_travel_m) {
-  const HandState hand = handAt(controller_.distance() + hand_travel_m);
+  const HandState hand = handAfter(hand_travel_m);
   const Vector3 sensor = kinematics_.linkPoses()[sensor_].translation();
   World obstacle = config_.purpose == ObstaclePurpose::kCollision
                        ? obstacleAhead(config_.obstacle, hand, config_.gap_m)
@@ -242,8 +305,8 @@ void Simulator::recordTruth() {
   std::vector<Pose> hand_poses;
   for (const std::size_t shape : hand_shapes_) hand_poses.push_back(poses[shape]);
   sampled_hand_->moveTo(hand_poses);
-  HandSample sample{now_, kinematics_.linkPoses()[palm_].translation(), controller_.speed(),
-                    std::nullopt, controller_.braking()};
+  HandSample sample{now_, kinematics_.linkPoses()[palm_].translation(), handSpeed(), std::nullopt,
+                    armsBrake()};
   if (first_obstacle_) {
     std::vector<Pose> obstacle_poses;
     for (std::size_t i = *first_obstacle_; i < world_.size(); ++i) {

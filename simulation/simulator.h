@@ -8,6 +8,7 @@
 #include "simulation/arm_path.h"
 #include "simulation/body_error.h"
 #include "simulation/clearance.h"
+#include "simulation/commanded_arms.h"
 #include "simulation/motion.h"
 #include "simulation/obstacle.h"
 #include "simulation/scanner.h"
@@ -32,13 +33,16 @@ struct StepOutput {
   std::optional<SimulatedScan> scan;  ///< once its last beam is measured
 };
 
-/// Those of motionNames() and "wander".
+/// The motion of arms that do nothing but what they are commanded. They begin where "reach" does.
+constexpr char kCommanded[] = "commanded";
+
+/// Those of motionNames() and "wander": what needs no commands.
 [[nodiscard]] std::vector<std::string> simulatedMotions();
 
 /// The dual-arm robot in a scene, its laser nodding, its arms moving, an obstacle that appears.
-/// Deterministic: the same configuration and the same stops give the same output. The fixed frame
-/// is base_link, on the floor. Labels in BeamTruth: up to 25 the model's shapes, from kFirstObject
-/// on the world's objects.
+/// Deterministic: the same configuration and the same stops and commands give the same output. The
+/// fixed frame is base_link, on the floor. Labels in BeamTruth: up to 25 the model's shapes, from
+/// kFirstObject on the world's objects.
 class Simulator {
  public:
   struct Config {
@@ -46,13 +50,15 @@ class Simulator {
     std::string scene = "table";
     std::string motion = "reach";
     PathController::Config controller;
+    CommandedArms::Config commanded;  ///< of the motion kCommanded alone
     TiltMotion tilt;
     Scanner::Config scanner;
     std::uint64_t seed = 1;
     ObstacleKind obstacle = ObstacleKind::kNone;
     ObstaclePurpose purpose = ObstaclePurpose::kCollision;
     /// After the start; the obstacle waits for the next moment when the hand is on its way out at
-    /// full speed and has room left to run into it.
+    /// full speed and has room left to run into it; where it is commanded, for the next when it
+    /// moves ahead.
     double appear_s = 8.0;
     double gap_m = 0.15;  ///< between hand and obstacle when the obstacle is in its place
     /// Above 0: the obstacle is brought in from 0.4 m aside at this speed, and is in its place when
@@ -74,8 +80,11 @@ class Simulator {
 
   /// Moves on by 1 ms.
   StepOutput step();
-  /// What the controller hears from now on.
+  /// What the controller hears from now on; arms that are commanded do not care.
   void setStop(bool stop);
+  /// From now on. @return empty, or in one line why the command is not taken. @pre the motion is
+  /// kCommanded
+  [[nodiscard]] std::string command(const ArmCommand& command);
 
   [[nodiscard]] Time now() const { return now_; }
   [[nodiscard]] const RobotModel& model() const { return *model_; }
@@ -84,13 +93,21 @@ class Simulator {
   [[nodiscard]] const PathController& controller() const { return controller_; }
 
  private:
-  [[nodiscard]] std::vector<double> jointsAt(double path_distance, Time stamp) const;
+  void moveArms();
+  [[nodiscard]] bool armsMove() const;
+  [[nodiscard]] bool armsBrake() const;
+  [[nodiscard]] std::vector<double> joints() const;
   [[nodiscard]] std::vector<double> jointVelocities() const;
-  [[nodiscard]] HandState handAt(double path_distance) const;
+  [[nodiscard]] double handSpeed() const;
+  [[nodiscard]] Vector3 commandedPalmVelocity() const;
+  [[nodiscard]] Vector3 palmAt(const std::vector<double>& joints) const;
+  [[nodiscard]] HandState handAfter(double way) const;
+  [[nodiscard]] HandState handAt(const std::vector<double>& joints, const Vector3& heading) const;
   [[nodiscard]] Snapshot snapshot() const;
   [[nodiscard]] double handTravel() const;
   [[nodiscard]] double roomForObstacle() const;
   void requireRoomForObstacle() const;
+  [[nodiscard]] bool handIsOnItsWay() const;
   void maybeAddObstacle();
   void addObstacle(double hand_travel_m);
   [[nodiscard]] std::optional<SimulatedScan> maybeFinishScan();
@@ -104,6 +121,7 @@ class Simulator {
   World world_;
   ArmPath path_;
   PathController controller_;
+  std::optional<CommandedArms> commanded_;  ///< in place of path and controller
   Scanner scanner_;
   Truth truth_;
   Time now_;

@@ -13,7 +13,7 @@ namespace tccm::simulation {
 struct HandSample {
   Time stamp;
   Vector3 palm;                      ///< centre, fixed frame [m]
-  double speed_mps;                  ///< along its path, negative on the way back
+  double speed_mps;                  ///< along its path, negative on the way back, unless commanded
   std::optional<double> obstacle_m;  ///< distance to the obstacle, once it is there
   bool braking;                      ///< or holding: the controller obeys a stop
 };

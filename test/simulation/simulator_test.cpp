@@ -160,6 +160,72 @@ TEST(SimulatorTest, BeamsSeeTableObjectsAndTheOwnArm) {
   EXPECT_EQ(seen["head_roll_link"], 0);
 }
 
+Simulator::Config commanded() {
+  Simulator::Config config;
+  config.motion = kCommanded;
+  return config;
+}
+
+/// Both shoulders swing the arms forward.
+ArmCommand forward(Time start) {
+  return {start,
+          {"right_shoulder_pitch_joint", "left_shoulder_pitch_joint"},
+          {{std::chrono::seconds(2), {-0.4, -0.4}, {}}}};
+}
+
+TEST(SimulatorTest, CommandedArmsMoveOnCommandAloneAndIgnoreStop) {
+  Simulator simulator(commanded());
+  const std::size_t shoulder = variableIndex(simulator.model(), "right_shoulder_pitch_joint");
+  const auto shoulderAt = [&](double seconds) {
+    const Time end = simulator.now() + fromSeconds(seconds);
+    std::optional<RobotSample> last;
+    while (simulator.now() < end) {
+      StepOutput output = simulator.step();
+      if (output.robot) last = output.robot;
+    }
+    return last->positions[shoulder];
+  };
+  const double rest = shoulderAt(0.5);
+  EXPECT_EQ(shoulderAt(0.5), rest);
+  simulator.setStop(true);
+  EXPECT_EQ(simulator.command(forward(simulator.now())), "");
+  EXPECT_NEAR(shoulderAt(1.0), 0.5 * (rest - 0.4), 1e-9);
+  const auto& hand = simulator.truth().hand;
+  const double way = (hand.back().palm - hand[hand.size() - 2].palm).norm();
+  EXPECT_NEAR(hand.back().speed_mps, way / 0.01, 1e-3);
+  EXPECT_EQ(simulator.command({}), "");
+  EXPECT_EQ(simulator.truth().stop_asserted, simulator.now());
+  const double held = shoulderAt(0.2);
+  EXPECT_EQ(shoulderAt(2.0), held);
+  ASSERT_TRUE(simulator.truth().halted);
+  EXPECT_LT(*simulator.truth().halted - *simulator.truth().stop_asserted, fromSeconds(0.2));
+}
+
+TEST(SimulatorTest, TheSameCommandsGiveTheSameScans) {
+  Simulator first(commanded());
+  Simulator second(commanded());
+  for (Simulator* simulator : {&first, &second}) {
+    EXPECT_EQ(simulator->command(forward(simulator->now())), "");
+  }
+  const auto a = scansOf(first, 1.0);
+  const auto b = scansOf(second, 1.0);
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_TRUE(sameRanges(a[i], b[i]));
+}
+
+TEST(SimulatorTest, AnObstacleAppearsAheadOfACommandedHandOnceItMovesAhead) {
+  Simulator::Config config = commanded();
+  config.obstacle = ObstacleKind::kPole;
+  config.appear_s = 0.2;
+  Simulator simulator(config);
+  scansOf(simulator, 1.0);
+  EXPECT_FALSE(simulator.truth().appeared);
+  EXPECT_EQ(simulator.command(forward(simulator.now())), "");
+  scansOf(simulator, 0.05);
+  ASSERT_TRUE(simulator.truth().appeared);
+  EXPECT_NEAR(*simulator.truth().obstacle_min_m, 0.15, 0.02);
+}
+
 std::vector<std::size_t> armShapes(const RobotModel& model) {
   LinkUse arms;
   arms.links = {"left_*", "right_*"};
