@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 
 #include "tccm_monitor/ros/conversions.h"
 
@@ -155,18 +156,67 @@ Marker prototypeOf(const std::string& name, const std::string& frame, Time stamp
   return prototype;
 }
 
-Marker textOf(const Verdict& verdict, const std::string& link_frame, Marker prototype) {
+const char* nameOf(Level level) {
+  switch (level) {
+    case Level::kOk:
+      return "OK";
+    case Level::kSlow:
+      return "SLOW";
+    case Level::kStop:
+      return "STOP";
+    case Level::kFault:
+      return "FAULT";
+  }
+  return "?";
+}
+
+ColorRGBA colorOf(Level level) {
+  if (level == Level::kOk) return color(0.3F, 0.9F, 0.4F);
+  return level == Level::kSlow ? color(1.0F, 0.8F, 0.2F) : color(1.0F, 0.2F, 0.2F);
+}
+
+/// Speed scale, and how near the nearest link is.
+std::string numbersOf(const Verdict& verdict, const RobotModel& model) {
+  char text[120];
+  std::snprintf(text, sizeof text, "speed %.0f %%", 100.0 * verdict.speed_scale);
+  std::string numbers = text;
+  const auto nearest =
+      std::min_element(verdict.clearances.begin(), verdict.clearances.end(),
+                       [](const auto& a, const auto& b) { return a.distance_m < b.distance_m; });
+  if (nearest == verdict.clearances.end() || std::isinf(nearest->distance_m)) return numbers;
+  std::snprintf(text, sizeof text, "   %.60s %.0f mm clear", model.links()[nearest->link].c_str(),
+                1e3 * nearest->distance_m);
+  return numbers + text;
+}
+
+Marker textOf(const Verdict& verdict, const RobotModel& model, Marker prototype) {
   prototype.ns = "status";
   prototype.id = 0;
   prototype.type = Marker::TEXT_VIEW_FACING;
-  prototype.header.frame_id = link_frame;
+  prototype.header.frame_id = model.rootLinks().front();
   prototype.header.stamp = ros::Time();
   prototype.pose.position.z = 1.7;
   prototype.pose.orientation.w = 1.0;
   prototype.scale.z = 0.06;
-  prototype.color = verdict.stop ? color(1.0F, 0.2F, 0.2F) : color(0.3F, 0.9F, 0.4F);
-  prototype.text = std::string(verdict.stop ? "STOP " : "OK ") + name(verdict.reason);
+  prototype.color = colorOf(verdict.level);
+  prototype.text = std::string(nameOf(verdict.level)) + " " + name(verdict.reason);
   if (!verdict.detail.empty()) prototype.text += "\n" + verdict.detail;
+  if (verdict.placed) prototype.text += "\n" + numbersOf(verdict, model);
+  return prototype;
+}
+
+/// The cuboid that is touched first on the way ahead.
+Marker contactOf(const WayContact& contact, const CuboidMap& map, Marker prototype) {
+  const UprightBox box = map.box(map.cuboids[contact.contact.cuboid]);
+  prototype.ns = "first contact";
+  prototype.id = 0;
+  prototype.type = Marker::CUBE;
+  prototype.pose = tf2::toMsg(Pose(Eigen::Translation3d(box.center())));
+  const Vector3 size = box.sizes() + Vector3::Constant(0.01);
+  prototype.scale.x = size.x();
+  prototype.scale.y = size.y();
+  prototype.scale.z = size.z();
+  prototype.color = contact.by_margin ? color(1.0F, 0.8F, 0.2F) : color(1.0F, 0.0F, 0.8F);
   return prototype;
 }
 
@@ -199,8 +249,17 @@ void toMarkers(const Verdict& verdict, const Checker& checker, const std::string
     prototype.ns = "occlusion";
     addBody(checker.poseCheckNow().occlusionBody(), prototype, color(0.3F, 0.8F, 0.5F, 0.25F),
             markers);
+    if (verdict.first_contact) {
+      markers.markers.push_back(contactOf(*verdict.first_contact, *checker.map(), prototype));
+    }
   }
-  markers.markers.push_back(textOf(verdict, checker.model().rootLinks().front(), prototype));
+  prototype.ns = "exemptions";
+  prototype.color = color(0.2F, 0.9F, 0.9F, 0.3F);
+  for (const Exemption& exemption : checker.exemptions().list()) {
+    std::visit(ShapeMarkers(prototype, exemption.region.pose, markers.markers),
+               exemption.region.shape);
+  }
+  markers.markers.push_back(textOf(verdict, checker.model(), prototype));
 }
 
 void toMarkers(const BodySample& sample, const std::string& frame,

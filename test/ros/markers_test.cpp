@@ -132,7 +132,28 @@ TEST_F(RobotMarkerTest, EachPrimitiveIsDrawnNowAndAheadWhereItIs) {
                           [](const Marker& m) { return m.ns == "ahead"; }),
             2);
   EXPECT_EQ(markers.back().type, Marker::TEXT_VIEW_FACING);
-  EXPECT_EQ(markers.back().text, "OK CLEAR");
+  EXPECT_EQ(markers.back().text, "OK CLEAR\nspeed 0 %") << "it rises from there";
+}
+
+TEST_F(RobotMarkerTest, WhatIsTouchedFirstAndWhatIsExemptAreShown) {
+  CuboidMap map = scene();
+  const CellIndex cell = *map.grid.cellOf(Vector3(0.5, 0.01, 0.5));
+  test::addCuboid(map, cell, 0.45, 0.55);
+  const PlacedShape region{Box{Vector3(0.1, 0.2, 0.3)}, Pose(Eigen::Translation3d(0.7, -0.9, 0.5))};
+  judge(map);
+  checker_.addExemption(map.stamp + fromSeconds(0.01), {"gripper", "hand", region, {}}, 1.0);
+  std::map<std::string, Marker> by_namespace;
+  for (const Marker& marker : draw(judge(map)).markers) by_namespace[marker.ns] = marker;
+  ASSERT_EQ(by_namespace.count("first contact"), 1U);
+  const Marker& first = by_namespace["first contact"];
+  EXPECT_NEAR(first.pose.position.x, map.grid.centre(cell).x(), 1e-9);
+  EXPECT_NEAR(first.pose.position.z, 0.5, 1e-9);
+  EXPECT_NEAR(first.scale.z, 0.11, 1e-6);
+  ASSERT_EQ(by_namespace.count("exemptions"), 1U);
+  EXPECT_NEAR(by_namespace["exemptions"].pose.position.y, -0.9, 1e-9);
+  EXPECT_NEAR(by_namespace["exemptions"].scale.z, 0.6, 1e-9);
+  EXPECT_NE(by_namespace["status"].text.find("hand 0 mm clear"), std::string::npos)
+      << by_namespace["status"].text;
 }
 
 TEST_F(RobotMarkerTest, ThePrimitivesOfEachUseHaveANamespaceAndIdsOfTheirOwn) {

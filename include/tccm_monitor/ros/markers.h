@@ -18,7 +18,9 @@ void toMarker(const tccm_monitor::CuboidMap& map, int static_windows,
 
 /// The primitives as checked for collision, now (solid) and ahead (pale): magenta where they touch
 /// the map, blue where hidden from the sensor, grey otherwise; those drawn for occlusion (green);
-/// and level and reason as text. Each in a namespace of its own.
+/// the cuboid touched first on the way ahead (magenta; yellow where only the margin for speed
+/// touches it); the regions of exemptions (cyan); and level, reason, speed and clearance as text.
+/// Each in a namespace of its own.
 void toMarkers(const Verdict& verdict, const Checker& checker, const std::string& frame,
                visualization_msgs::MarkerArray& markers);
 
