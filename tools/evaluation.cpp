@@ -128,9 +128,11 @@ void Evaluation::check() {
   totals_.collisions += verdict.collision ? 1 : 0;
   totals_.occlusions += verdict.occlusion ? 1 : 0;
   totals_.stops += verdict.stop ? 1 : 0;
+  totals_.slows += verdict.level == Level::kSlow ? 1 : 0;
   if (verdict.placed) {
     totals_.timings.collision.push_back(verdict.now.collision_us + verdict.ahead.collision_us +
                                         verdict.way_us);
+    totals_.timings.clearance.push_back(verdict.clearance_us);
     totals_.timings.occlusion.push_back(verdict.now.occlusion_us + verdict.ahead.occlusion_us);
   }
   noteStop(verdict);

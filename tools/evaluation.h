@@ -32,7 +32,8 @@ struct Timings {
   std::vector<double> assemble;
   std::vector<double> integrate;
   std::vector<double> snapshot;
-  std::vector<double> collision;  ///< of both poses
+  std::vector<double> collision;  ///< of both ends of the way ahead, and of the way
+  std::vector<double> clearance;
   std::vector<double> occlusion;
   std::vector<double> scan_to_verdict;  ///< from a scan with its transforms to the check on its map
 };
@@ -57,6 +58,7 @@ struct Totals {
   std::size_t collisions = 0;
   std::size_t occlusions = 0;
   std::size_t stops = 0;
+  std::size_t slows = 0;  ///< permitted, but only slowly
   std::vector<StopRun> stop_runs;
 
   std::size_t time_jumps = 0;

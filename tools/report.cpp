@@ -112,6 +112,7 @@ Json timesOf(const Timings& timings) {
           {"snapshot", percentiles(timings.snapshot)},
           {"collision", percentiles(timings.collision)},
           {"occlusion", percentiles(timings.occlusion)},
+          {"clearance", percentiles(timings.clearance)},
           {"scan_to_verdict", percentiles(timings.scan_to_verdict)}};
 }
 
@@ -186,6 +187,7 @@ Json summaryOf(const Evaluation& evaluation, const MonitorSettings& settings) {
           {"collision_fraction", fraction(totals.collisions, totals.checks)},
           {"occlusion_fraction", fraction(totals.occlusions, totals.checks)},
           {"stop_fraction", fraction(totals.stops, totals.checks)},
+          {"slow_fraction", fraction(totals.slows, totals.checks)},
           {"unknown_fraction", fraction(totals.checks_unknown, totals.checks)},
           {"stops", stopsOf(totals)},
           {"time_jumps", totals.time_jumps},
@@ -221,7 +223,8 @@ void printSummary(const Json& summary, std::ostream& out) {
     }
   }
   out << "checks   " << summary["checks"] << ": stop " << percent(summary["stop_fraction"])
-      << ", collision " << percent(summary["collision_fraction"]) << ", occlusion "
+      << ", slow " << percent(summary["slow_fraction"]) << ", collision "
+      << percent(summary["collision_fraction"]) << ", occlusion "
       << percent(summary["occlusion_fraction"]) << ", unknown "
       << percent(summary["unknown_fraction"]) << "\n";
   if (summary["time_jumps"] > 0) {
