@@ -114,16 +114,28 @@ double JointStates::differentiate(const Track& track) const {
   return differentiated;
 }
 
+void JointStates::lookForVelocityDefect(std::size_t joint) {
+  const Track& track = tracks_[joint];
+  const Sample& newest = track.newest(0);
+  if (!(std::abs(newest.velocity) <= kLargest)) {
+    velocity_defect_ = "joint '" + names_[joint] + "' is published without a velocity";
+    return;
+  }
+  // When a joint comes to rest its last velocity alone is 0.
+  if (track.count < 2 || newest.velocity != 0.0 || track.newest(1).velocity != 0.0) return;
+  const Sample& before = track.newest(1);
+  const double moved = std::abs(newest.position - before.position);
+  if (moved > kMoving * toSeconds(newest.stamp - before.stamp)) {
+    velocity_defect_ = "joint '" + names_[joint] + "' is published with velocity 0 while it moves";
+  }
+}
+
 double JointStates::velocityOf(std::size_t joint) {
   const Track& track = tracks_[joint];
   const double differentiated = differentiate(track);
   const bool is_reported = std::abs(track.newest(0).velocity) <= kLargest;
   const double reported = is_reported ? track.newest(0).velocity : 0.0;
-  if (velocity_defect_.empty() && reported == 0.0 &&
-      (!is_reported || std::abs(differentiated) > kMoving)) {
-    velocity_defect_ = "joint '" + names_[joint] + "' is published " +
-                       (is_reported ? "with velocity 0 while it moves" : "without a velocity");
-  }
+  if (velocity_defect_.empty()) lookForVelocityDefect(joint);
   return std::abs(reported) >= std::abs(differentiated) ? reported : differentiated;
 }
 

@@ -267,5 +267,26 @@ TEST(FixedJointTest, AFixedJointThatIsPublishedElsewhereLeavesThePoseUnknown) {
   EXPECT_EQ(states.contradiction(), "");
 }
 
+TEST_F(JointStatesTest, AVelocityThatIsMissingIsSaid) {
+  joints_.add(at(1.0), {"slide", "glide"}, {0.0, 0.0}, {0.0, 0.0});
+  ASSERT_NE(joints_.latest(), nullptr);
+  EXPECT_EQ(joints_.velocityDefect(), "");
+  joints_.add(at(1.01), {"slide", "glide"}, {0.0, 0.0}, {0.0});
+  ASSERT_NE(joints_.latest(), nullptr);
+  EXPECT_NE(joints_.velocityDefect().find("'glide' is published without"), std::string::npos);
+}
+
+TEST_F(JointStatesTest, AVelocityThatIsZeroWhilePositionsChangeIsSaidAndThatOfAHaltIsNot) {
+  joints_.add(at(1.00), {"slide", "glide"}, {0.00, 0.0}, {1.0, 0.0});
+  joints_.add(at(1.01), {"slide", "glide"}, {0.01, 0.0}, {1.0, 0.0});
+  joints_.add(at(1.02), {"slide", "glide"}, {0.02, 0.0}, {0.0, 0.0});
+  ASSERT_NE(joints_.latest(), nullptr);
+  EXPECT_EQ(joints_.velocityDefect(), "") << "it came to rest";
+  joints_.add(at(1.03), {"slide", "glide"}, {0.03, 0.0}, {0.0, 0.0});
+  ASSERT_NE(joints_.latest(), nullptr);
+  EXPECT_NE(joints_.velocityDefect().find("'slide' is published with velocity 0"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace tccm

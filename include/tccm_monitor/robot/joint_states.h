@@ -89,6 +89,7 @@ class JointStates {
     }
   };
   [[nodiscard]] double differentiate(const Track& track) const;
+  void lookForVelocityDefect(std::size_t joint);
   /// The larger of the reported and the differentiated.
   [[nodiscard]] double velocityOf(std::size_t joint);
   void compareWithFixed(const std::string& name, double position);
