@@ -184,7 +184,7 @@ std::string numbersOf(const Verdict& verdict, const RobotModel& model) {
       std::min_element(verdict.clearances.begin(), verdict.clearances.end(),
                        [](const auto& a, const auto& b) { return a.distance_m < b.distance_m; });
   if (nearest == verdict.clearances.end() || std::isinf(nearest->distance_m)) return numbers;
-  std::snprintf(text, sizeof text, "   %.60s %.0f mm clear", model.links()[nearest->link].c_str(),
+  std::snprintf(text, sizeof text, "\n%.60s %.0f mm clear", model.links()[nearest->link].c_str(),
                 1e3 * nearest->distance_m);
   return numbers + text;
 }
@@ -197,7 +197,7 @@ Marker textOf(const Verdict& verdict, const RobotModel& model, Marker prototype)
   prototype.header.stamp = ros::Time();
   prototype.pose.position.z = 1.7;
   prototype.pose.orientation.w = 1.0;
-  prototype.scale.z = 0.06;
+  prototype.scale.z = 0.05;
   prototype.color = colorOf(verdict.level);
   prototype.text = std::string(nameOf(verdict.level)) + " " + name(verdict.reason);
   if (!verdict.detail.empty()) prototype.text += "\n" + verdict.detail;
