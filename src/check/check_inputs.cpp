@@ -197,7 +197,8 @@ Cause CheckInputs::mapCause(Time now) const {
     return {Reason::kFuture, ageText("the newest scan is stamped in the future, by", -age)};
   }
   // Scans that wait for transforms may wait as long as these may be missing; blind ones may not.
-  const bool waits = scansCome(now) && dropped_.empty() &&
+  const bool lacks_transforms = dropped_.empty() || reasonOf(dropped_) == Reason::kNoTransform;
+  const bool waits = scansCome(now) && lacks_transforms &&
                      !(assembled_ && *assembled_ - map_arrival_ > silenceMax());
   if (now - map_arrival_ > silenceMax() && !waits) return silenceCause(now);
   if (age > fromSeconds(config_.map_age_max_s)) {

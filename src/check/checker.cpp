@@ -10,7 +10,7 @@
 namespace tccm {
 namespace {
 
-constexpr double kMoreVisible = 0.05;  // of a silhouette: the link comes out of its hiding place
+constexpr double kMoreVisible = 0.02;  // of a silhouette: the link comes out of its hiding place
 
 std::string afterText(const std::string& what, double time_s) {
   char text[200];
@@ -155,7 +155,9 @@ const Verdict& Checker::check(Time now) {
   inputs_.appendCauses(now, findings_.causes);
   if (outside_.reason != Reason::kClear) findings_.causes.push_back(outside_);
   verdict_.known = findings_.known = findings_.causes.empty();
-  if (!commanded_.defect().empty()) add({Reason::kBadTrajectory, commanded_.defect()}, 0.0);
+  if (std::string defect = commanded_.defect(); !defect.empty()) {
+    add({Reason::kBadTrajectory, "a commanded trajectory: " + defect}, 0.0);
+  }
   verdict_.collision = verdict_.occlusion = false;
   verdict_.first_contact.reset();
   verdict_.follows_trajectory = false;
@@ -205,28 +207,25 @@ void Checker::judgeContacts(const JointSnapshot& joints) {
   const CuboidMap& map = *inputs_.map();
   const std::vector<Pose>& T_fixed_roots = inputs_.rootPoses();
   Stopwatch stopwatch;
-  verdict_.way_poses = 0;
+  const double latency_s = latency_s_ + toSeconds(verdict_.stamp - joints.oldest);
+  const auto ahead = checks_.way.firstContact(map, latency_s, T_fixed_roots, verdict_.now.contacts);
+  verdict_.way_poses = checks_.way.poses();
+  verdict_.first_contact = ahead;
   if (verdict_.now.collision) {
     const Contact& contact = verdict_.now.contacts.front();
     verdict_.first_contact = WayContact{contact};
     findings_.touching =
         contactCause(Reason::kCollision, Level::kStop, contact.shape, " touches the map");
-    if (checks_.way.movesOut(map, verdict_.now.contacts, T_fixed_roots)) {
+    if (checks_.way.movesOut(map, verdict_.now.contacts, joints, commanded_, T_fixed_roots)) {
       add(contactCause(Reason::kMovingOut, Level::kSlow, contact.shape, " moves out of contact"),
           config_.way.moving_out_scale);
     } else {
       add(findings_.touching, 0.0);
     }
-  } else {
-    const double age_s = toSeconds(verdict_.stamp - joints.oldest);
-    verdict_.first_contact = checks_.way.firstContact(map, latency_s_ + age_s, T_fixed_roots);
-    verdict_.way_poses = checks_.way.poses();
   }
   verdict_.way_us = stopwatch.lapMicroseconds();
-  const auto& ahead = verdict_.first_contact;
-  const bool touches = ahead && !ahead->by_margin;
-  verdict_.collision = verdict_.now.collision || touches;
-  if (!ahead || verdict_.now.collision) return;
+  verdict_.collision = verdict_.now.collision || (ahead && !ahead->by_margin);
+  if (!ahead) return;
   const Level level = checks_.way.levelOf(*ahead);
   add(contactCause(Reason::kCollisionAhead, level, ahead->contact.shape,
                    afterText(ahead->by_margin ? " comes too near to the map for its speed"
@@ -245,7 +244,9 @@ void Checker::judgeOcclusion() {
   for (std::size_t i = 0; comes_out && i < verdict_.now.links.size(); ++i) {
     const double now = verdict_.now.links[i].visible_fraction;
     const double then = verdict_.ahead.links[i].visible_fraction;
-    if (checks_.now.isOccluded(verdict_.now.links[i])) comes_out = then >= now + kMoreVisible;
+    const bool is_hidden = checks_.now.isOccluded(verdict_.now.links[i]);
+    if (is_hidden) comes_out = then >= now + kMoreVisible;
+    if (!is_hidden && checks_.now.isOccluded(verdict_.ahead.links[i])) comes_out = false;
   }
   if (comes_out) {
     return add({Reason::kMovingOut, link + " comes out of where it is hidden", link},
@@ -255,6 +256,15 @@ void Checker::judgeOcclusion() {
   add({reason, config_.occlusion_stops ? Level::kStop : Level::kSlow,
        link + " is hidden from the sensor" + (ahead ? " ahead" : ""), link},
       config_.occlusion_stops ? 0.0 : config_.occlusion_slow_scale);
+}
+
+const Verdict& Checker::fail(Time now, const Cause& cause) {
+  findings_.causes.assign(1, cause);
+  findings_.touching = {};
+  findings_.known = verdict_.known = verdict_.placed = false;
+  verdict_.stamp = std::max(now, verdict_.stamp);
+  decide(verdict_.stamp);
+  return verdict_;
 }
 
 void Checker::decide(Time now) {

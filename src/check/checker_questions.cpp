@@ -71,6 +71,7 @@ Checker::StateAnswer Checker::checkState(Time now, const std::vector<std::string
                   "joint '" + *contradiction +
                       "' is not where the joint that it mimics, or fixed_joints, puts it");
   }
+  if (exemptions_.expire(now)) exempt();
   checks_.state.check(*inputs_.map(), asked, inputs_.rootPoses(), answer.findings);
   Cause found;
   if (answer.findings.collision) {
@@ -92,6 +93,12 @@ TrajectoryCheck::Answer Checker::checkTrajectory(Time now, const JointTrajectory
   if (fault.reason != Reason::kClear) {
     TrajectoryCheck::Answer answer;
     answer.cause = fault;
+    return answer;
+  }
+  if (exemptions_.expire(now)) exempt();
+  if (trajectory.points.size() > config_.trajectories.points_max) {
+    TrajectoryCheck::Answer answer;
+    answer.cause = {Reason::kBadQuestion, "it has more than trajectory_points_max points"};
     return answer;
   }
   return checks_.trajectory.check(*inputs_.map(), trajectory, inputs_.joints()->positions,

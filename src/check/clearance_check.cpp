@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <limits>
 
-#include "tccm_monitor/geometry/distance.h"
+#include "nearest_cuboid.h"
 
 namespace tccm {
 namespace {
 
-constexpr double kNear = 0.06;  // [m] looked at first: most of what is near is nearer than this
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
@@ -30,39 +29,11 @@ ClearanceCheck::ClearanceCheck(std::shared_ptr<const RobotModel> model,
   }
 }
 
-std::optional<ClearanceCheck::Nearest> ClearanceCheck::nearestWithin(const CuboidMap& map,
-                                                                     const Shape& shape,
-                                                                     const Pose& T_fixed_shape,
-                                                                     double nearer_than_m) const {
-  std::optional<Nearest> best;
-  const UprightBox around = bounds(shape, T_fixed_shape);
-  const Vector3 margin = Vector3::Constant(nearer_than_m);
-  const Grid::Footprint footprint =
-      map.grid.footprint({around.min() - margin, around.max() + margin});
-  for (CellIndex y = footprint.y_begin; y < footprint.y_end; ++y) {
-    const std::uint32_t* cell_begin = &map.cell_begin[y * map.grid.cellsX()];
-    const std::uint32_t end = cell_begin[footprint.x_end];
-    for (std::uint32_t k = cell_begin[footprint.x_begin]; k < end; ++k) {
-      const UprightBox box = map.box(map.cuboids[k]);
-      if (distanceBound(around, box) >= nearer_than_m) continue;
-      const double metres = distance(shape, T_fixed_shape, box);
-      if (metres >= nearer_than_m || !collision_.hasSupport(map, map.cuboids[k])) continue;
-      nearer_than_m = metres;
-      best = Nearest{metres, k};
-      if (metres == 0.0) return best;
-    }
-  }
-  return best;
-}
-
-std::optional<ClearanceCheck::Nearest> ClearanceCheck::nearest(const CuboidMap& map,
-                                                               const Shape& shape,
-                                                               const Pose& T_fixed_shape,
-                                                               double nearer_than_m) const {
-  if (nearer_than_m > kNear) {
-    if (const auto found = nearestWithin(map, shape, T_fixed_shape, kNear)) return found;
-  }
-  return nearestWithin(map, shape, T_fixed_shape, nearer_than_m);
+std::optional<NearestCuboid> ClearanceCheck::nearest(const CuboidMap& map, const Shape& shape,
+                                                     const Pose& T_fixed_shape,
+                                                     double nearer_than_m) const {
+  NearestCuboidSearch search(map, shape, T_fixed_shape, nearer_than_m);
+  return search.find([&](const Cuboid& cuboid) { return collision_.hasSupport(map, cuboid); });
 }
 
 const std::vector<LinkClearance>& ClearanceCheck::find(const CuboidMap& map,

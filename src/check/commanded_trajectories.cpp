@@ -15,7 +15,9 @@ constexpr double kSearchStep = 0.01;
 constexpr double kAsGood = 1e-3;  // [rad or m]
 constexpr double kBetter = 1e-6;
 constexpr double kRidge = 0.02;
-constexpr double kDone = 0.01;  // [rad or m] left to travel
+constexpr double kDone = 0.01;     // [rad or m] left to travel
+constexpr double kArrived = 0.05;  // [rad or m] from its end
+constexpr double kTurn = 2.0 * 3.14159265358979323846;
 constexpr std::size_t kWayPointsMax = 4096;
 
 /// Where a joint is after that time at its velocity.
@@ -57,7 +59,7 @@ void extrapolateTo(const RobotModel& model, const JointSnapshot& joints, double 
   }
 }
 
-bool shareAny(const std::vector<std::size_t>& a, const std::vector<std::size_t>& b) {
+bool shareAny(const std::vector<std::string>& a, const std::vector<std::string>& b) {
   return std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) != a.end();
 }
 
@@ -86,47 +88,51 @@ CommandedTrajectories::CommandedTrajectories(const RobotModel& model, const Conf
   times_s_.reserve(kWayPointsMax);
   positions_.resize(model.variables().size());
   way_point_.resize(model.variables().size());
+  for (std::size_t v = 0; v < model.variables().size(); ++v) {
+    turning_.push_back(isTurning(model, v));
+  }
 }
 
 void CommandedTrajectories::clear() {
   active_.clear();
-  defect_.clear();
+  defects_.clear();
+}
+
+/// What was said of any of these joints before is out of date; all is where none is named.
+void CommandedTrajectories::forget(const std::vector<std::string>& names) {
+  const auto concerns = [&names](const auto& entry) {
+    return names.empty() || entry.names.empty() || shareAny(entry.names, names);
+  };
+  active_.erase(std::remove_if(active_.begin(), active_.end(), concerns), active_.end());
+  defects_.erase(std::remove_if(defects_.begin(), defects_.end(), concerns), defects_.end());
 }
 
 std::string CommandedTrajectories::command(Time now, const JointTrajectory& trajectory,
                                            const RobotModel& model,
                                            const std::vector<double>& positions) {
-  const bool cancels = trajectory.points.empty();
-  if (cancels && trajectory.names.empty()) {
-    clear();
-    return {};
-  }
-  defect_.clear();
+  forget(trajectory.names);
+  if (trajectory.points.empty()) return {};
+  std::string defect;
   if (trajectory.points.size() > config_.points_max) {
-    defect_ = "it has more than trajectory_points_max points";
+    defect = "it has more than trajectory_points_max points";
   } else {
-    JointTrajectory named = trajectory;
-    if (cancels) named.points.push_back({0.0, std::vector<double>(named.names.size()), {}, {}});
-    defect_ = defectOf(named, model);
+    defect = defectOf(trajectory, model);
   }
-  if (defect_.empty() && !cancels && positions.empty()) {
-    defect_ = "where the robot is when it starts is not known";
+  if (defect.empty() && positions.empty()) {
+    defect = "where the robot is when it starts is not known";
   }
-  if (!defect_.empty()) {
-    active_.clear();
-    return defect_;
+  if (defect.empty()) {
+    Active active{trajectory.names, variablesOf(trajectory, model), JointPath(positions.size()),
+                  0.0, now};
+    makePath(trajectory, model, positions, kSplineTolerance, active.path);
+    if (deviation(active, 0.0, positions) <= config_.deviation_max) {
+      active_.push_back(std::move(active));
+      return {};
+    }
+    defect = "it starts elsewhere than the robot is";
   }
-  const std::vector<std::size_t> variables = variablesOf(trajectory, model);
-  active_.erase(
-      std::remove_if(active_.begin(), active_.end(),
-                     [&](const Active& other) { return shareAny(other.variables, variables); }),
-      active_.end());
-  if (cancels) return {};
-  Active active{variables, JointPath(positions.size()), 0.0, now};
-  makePath(trajectory, model, positions, kSplineTolerance, active.path);
-  active.at_s = active.path.begin();
-  active_.push_back(std::move(active));
-  return {};
+  defects_.push_back({trajectory.names, defect});
+  return defect;
 }
 
 double CommandedTrajectories::deviation(const Active& active, double time_s,
@@ -134,7 +140,9 @@ double CommandedTrajectories::deviation(const Active& active, double time_s,
   active.path.positionsAt(time_s, positions_);
   double largest = 0.0;
   for (const std::size_t v : active.variables) {
-    largest = std::max(largest, std::abs(positions_[v] - positions[v]));
+    double difference = positions_[v] - positions[v];
+    if (turning_[v]) difference = std::remainder(difference, kTurn);
+    largest = std::max(largest, std::abs(difference));
   }
   return largest;
 }
@@ -172,16 +180,26 @@ bool CommandedTrajectories::moveOn(Active& active, Time now, const std::vector<d
   }
   active.at_s = best_s;
   if (least > config_.deviation_max) {
-    ++abandoned_;
+    defects_.push_back({active.names, "the robot does not follow it"});
     return false;
   }
-  return !isDone(active);
+  return least > kArrived || !isDone(active);
 }
 
 void CommandedTrajectories::follow(Time now, const std::vector<double>& positions) {
   active_.erase(std::remove_if(active_.begin(), active_.end(),
                                [&](Active& active) { return !moveOn(active, now, positions); }),
                 active_.end());
+}
+
+/// A joint that turns without limits may be published a whole turn off the trajectory.
+void CommandedTrajectories::findShift(Active& active, const std::vector<double>& positions) {
+  active.path.positionsAt(active.at_s, positions_);
+  active.shift.assign(positions.size(), 0.0);
+  for (const std::size_t v : active.variables) {
+    if (!turning_[v]) continue;
+    active.shift[v] = kTurn * std::round((positions[v] - positions_[v]) / kTurn);
+  }
 }
 
 void CommandedTrajectories::makeWay(const RobotModel& model, const JointSnapshot& joints,
@@ -195,6 +213,7 @@ void CommandedTrajectories::makeWay(const RobotModel& model, const JointSnapshot
     }
   }
   sortOut(times_s_);
+  for (Active& active : active_) findShift(active, joints.positions);
   path.clear();
   path.add(0.0, joints.positions);
   for (const double time_s : times_s_) {
@@ -202,7 +221,9 @@ void CommandedTrajectories::makeWay(const RobotModel& model, const JointSnapshot
     extrapolateTo(model, joints, time_s, way_point_);
     for (const Active& active : active_) {
       active.path.positionsAt(active.at_s + time_s, positions_);
-      for (const std::size_t v : active.variables) way_point_[v] = positions_[v];
+      for (const std::size_t v : active.variables) {
+        way_point_[v] = positions_[v] + active.shift[v];
+      }
     }
     path.add(time_s, way_point_);
   }

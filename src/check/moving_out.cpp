@@ -9,10 +9,18 @@
 namespace tccm {
 namespace {
 
-constexpr int kSamples = 6;
+constexpr double kStep = 0.01;  // [m] between two poses
+constexpr std::size_t kPosesMax = 256;
+constexpr double kJump = 1e-6;    // [s]; a motion that is as short cannot be followed
 constexpr double kNoise = 0.002;  // [m] by which a distance may shrink without closing
 constexpr double kOpens = 0.003;  // [m] by which it has to grow over the way
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::vector<double> radiiOf(const Body& body) {
+  std::vector<double> radii;
+  for (const Shape& shape : body.shapes) radii.push_back(boundingRadius(shape));
+  return radii;
+}
 
 }  // namespace
 
@@ -22,6 +30,7 @@ MovingOut::MovingOut(std::shared_ptr<const RobotModel> model, const PoseCheck::C
       body_(bodyOf(*model_, used_)),
       kinematics_(model_),
       collision_(config.collision),
+      bound_(*model_, used_.shapes, radiiOf(body_)),
       contacts_max_(static_cast<std::size_t>(config.collision.contacts_max)) {
   for (const std::size_t shape : used_.shapes)
     cores_.push_back(core(model_->shapes()[shape].shape));
@@ -43,15 +52,58 @@ double MovingOut::coreDistance(const CuboidMap& map, std::size_t shape,
 bool MovingOut::closesAny(const CuboidMap& map) {
   for (Pair& pair : pairs_) {
     const double metres = coreDistance(map, pair.shape, pair.cuboid);
-    if (metres < pair.last_m - kNoise) return true;
+    if (metres == 0.0 || metres < pair.last_m - kNoise) return true;
     pair.last_m = std::max(pair.last_m, metres);
   }
   // Cuboids that came into reach since: not nearer than what touched before.
   const std::vector<Contact>& contacts = collision_.find(map, body_);
+  if (contacts.size() >= contacts_max_) return true;  // not all of them are known
   return std::any_of(contacts.begin(), contacts.end(), [&](const Contact& contact) {
     const double least = least_m_[contact.shape];
-    return least == kInfinity || coreDistance(map, contact.shape, contact.cuboid) < least - kNoise;
+    if (least == kInfinity) return true;
+    // The padding may reach it, the primitive itself may not.
+    const UprightBox box = map.box(map.cuboids[contact.cuboid]);
+    const bool is_new = std::none_of(pairs_.begin(), pairs_.end(), [&](const Pair& pair) {
+      return pair.shape == contact.shape && pair.cuboid == contact.cuboid;
+    });
+    const Shape& bare = model_->shapes()[used_.shapes[contact.shape]].shape;
+    if (is_new && distance(bare, body_.poses[contact.shape], box) == 0.0) return true;
+    return coreDistance(map, contact.shape, contact.cuboid) < least - kNoise;
   });
+}
+
+double MovingOut::furthest(const JointPath& way, double from_s, double to_s) {
+  way.travelUntil(from_s, travel_from_);
+  way.travelUntil(to_s, travel_);
+  for (std::size_t v = 0; v < travel_.size(); ++v) travel_[v] -= travel_from_[v];
+  double metres = 0.0;
+  for (std::size_t i = 0; i < used_.shapes.size(); ++i) {
+    metres = std::max(metres, bound_.displacement(i, travel_));
+  }
+  return metres;
+}
+
+double MovingOut::timeOf(const JointPath& way, double metres) {
+  if (furthest(way, way.begin(), way.end()) <= metres) return way.end();
+  double before = way.begin(), after = way.end();
+  for (int i = 0; i < 20; ++i) {
+    const double middle = 0.5 * (before + after);
+    (furthest(way, way.begin(), middle) <= metres ? before : after) = middle;
+  }
+  return after;
+}
+
+bool MovingOut::closesBetween(const CuboidMap& map, const JointPath& way, double from_s,
+                              double to_s, const std::vector<Pose>& T_fixed_roots) {
+  if (furthest(way, from_s, to_s) > kStep) {
+    if (to_s - from_s < kJump) return true;
+    const double middle_s = 0.5 * (from_s + to_s);
+    return closesBetween(map, way, from_s, middle_s, T_fixed_roots) ||
+           closesBetween(map, way, middle_s, to_s, T_fixed_roots);
+  }
+  if (++poses_ > kPosesMax) return true;  // too fast to be looked at
+  place(way, to_s, T_fixed_roots);
+  return closesAny(map);
 }
 
 bool MovingOut::opens(const CuboidMap& map, const std::vector<Contact>& contacts,
@@ -69,10 +121,8 @@ bool MovingOut::opens(const CuboidMap& map, const std::vector<Contact>& contacts
     pairs_.push_back({shape, contact.cuboid, metres, metres});
     least_m_[shape] = std::min(least_m_[shape], metres);
   }
-  for (int k = 1; k <= kSamples; ++k) {
-    place(way, way.begin() + (until_s - way.begin()) * k / kSamples, T_fixed_roots);
-    if (closesAny(map)) return false;
-  }
+  poses_ = 0;
+  if (closesBetween(map, way, way.begin(), until_s, T_fixed_roots)) return false;
   // Of each shape what was nearest has to recede; the rest must only not come nearer.
   return !must_open || std::all_of(pairs_.begin(), pairs_.end(), [this](const Pair& pair) {
     return pair.first_m > least_m_[pair.shape] || pair.last_m >= pair.first_m + kOpens;

@@ -44,8 +44,10 @@ void Permission::latch(const Cause& cause) {
 }
 
 Cause Permission::held(Time now, const Findings& findings, bool moving_out) {
-  if (latched_.reason != Reason::kClear &&
-      !(moving_out && levelOf(latched_.reason) != Level::kFault)) {
+  // Only moving out of contact suspends a collision that holds; nothing suspends a fault.
+  const bool is_suspended = moving_out && findings.touching.reason == Reason::kCollision &&
+                            latched_.reason == Reason::kCollision;
+  if (latched_.reason != Reason::kClear && !is_suspended) {
     return {Reason::kAwaitingReset,
             std::string(tccm::name(latched_.reason)) + " holds until reset: " + latched_.detail,
             latched_.link};
@@ -73,7 +75,8 @@ const Permission::Decision& Permission::decide(Time now, Findings& findings) {
   Cause worst = findings.causes.empty() ? Cause() : findings.causes.front();
   bool moving_out = false;
   latch(findings.touching);
-  lasting_ = findings.touching.reason;
+  touching_ = findings.touching;
+  lasting_ = touching_.reason;
   decision_.reasons.clear();
   for (const Cause& cause : findings.causes) {
     latch(cause);
@@ -101,6 +104,12 @@ const Permission::Decision& Permission::decide(Time now, Findings& findings) {
 }
 
 std::string Permission::reset() {
+  // A fault that is over is lifted although the robot touches something: else nothing could move it
+  // out.
+  if (lasting_ == Reason::kCollision && levelOf(latched_.reason) == Level::kFault) {
+    latched_ = touching_;
+    return {};
+  }
   if (lasting_ != Reason::kClear) return std::string(tccm::name(lasting_)) + " lasts";
   latched_ = {};
   return {};

@@ -5,6 +5,12 @@
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
+namespace {
+
+constexpr double kEscape_s = 10.0;  // a way out may be as slow as this
+constexpr double kEscape_m = 0.05;  // that a primitive moves at most on the way looked at
+
+}  // namespace
 
 void WayAhead::Config::validate() const {
   requireInRange("horizon_s", horizon_s, 0.0, 10.0);
@@ -25,6 +31,7 @@ WayAhead::WayAhead(std::shared_ptr<const RobotModel> model, const PoseCheck::Con
       moving_out_(model_, pose),
       measured_(model_->variables().size()),
       commanded_(model_->variables().size()),
+      escape_(model_->variables().size()),
       end_(model_->variables().size()) {
   measured_.reserve(model_->variables().size() + 2);
 }
@@ -55,7 +62,9 @@ std::optional<WayContact> WayAhead::along(const CuboidMap& map, const JointPath&
 }
 
 std::optional<WayContact> WayAhead::firstContact(const CuboidMap& map, double latency_s,
-                                                 const std::vector<Pose>& T_fixed_roots) {
+                                                 const std::vector<Pose>& T_fixed_roots,
+                                                 const std::vector<Contact>& present) {
+  check_.skip(present);
   delay_s_ = config_.reaction_time_s + std::max(0.0, latency_s);
   poses_ = 0;
   const auto measured = along(map, measured_, T_fixed_roots);
@@ -69,12 +78,17 @@ std::optional<WayContact> WayAhead::firstContact(const CuboidMap& map, double la
 }
 
 bool WayAhead::movesOut(const CuboidMap& map, const std::vector<Contact>& contacts,
+                        const JointSnapshot& joints, CommandedTrajectories& commanded,
                         const std::vector<Pose>& T_fixed_roots) {
-  const double until_s = std::min(config_.horizon_s, config_.stop_time_s);
-  if (!moving_out_.opens(map, contacts, measured_, until_s, T_fixed_roots, !follows_)) {
-    return false;
-  }
-  return !follows_ || moving_out_.opens(map, contacts, commanded_, until_s, T_fixed_roots, true);
+  const auto opens = [&](bool must_open) {
+    const double until_s = moving_out_.timeOf(escape_, kEscape_m);
+    return moving_out_.opens(map, contacts, escape_, until_s, T_fixed_roots, must_open);
+  };
+  extrapolate(*model_, joints, follows_ ? config_.horizon_s : kEscape_s, escape_);
+  if (!opens(!follows_)) return false;
+  if (!follows_) return true;
+  commanded.makeWay(*model_, joints, kEscape_s, escape_);
+  return opens(true);
 }
 
 double WayAhead::haltTime(const WayContact& contact) const {

@@ -4,7 +4,9 @@
 #include <cassert>
 #include <cmath>
 
+#include "nearest_cuboid.h"
 #include "tccm_monitor/geometry/distance.h"
+#include "tccm_monitor/geometry/overlap.h"
 #include "used_body.h"
 
 namespace tccm {
@@ -12,6 +14,7 @@ namespace {
 
 constexpr std::size_t kDepthMax = 24;  // halvings; a way of a kilometre in steps of 0.1 mm
 constexpr int kSpeedSamples = 4;
+constexpr double kTouching = 1e-6;  // [m] that count as nothing
 
 std::vector<double> radiiOf(const Body& body, double margin_m) {
   std::vector<double> radii;
@@ -39,12 +42,16 @@ WayCheck::WayCheck(std::shared_ptr<const RobotModel> model, const LinkUse& colli
       grown_(body_),
       margins_m_(body_.shapes.size(), 0.0),
       speeds_mps_(body_.shapes.size(), 0.0),
+      skipped_(body_.shapes.size(), false),
       kinematics_(model_),
       collision_(collision),
       bound_(*model_, used_.shapes, radiiOf(body_, margin_max_m)),
       reach_max_m_(0.5 * step_m),
-      stretches_(kDepthMax + 1) {
+      stretches_(kDepthMax + 1),
+      known_(body_.shapes.size()) {
   const std::size_t variables = model_->variables().size();
+  for (Known& known : known_) known.travel.resize(variables);
+  since_known_.resize(variables);
   for (Stretch& stretch : stretches_) {
     stretch.shapes.reserve(body_.shapes.size());
     for (auto* values : {&stretch.travel_from, &stretch.travel_middle, &stretch.travel_to,
@@ -57,6 +64,16 @@ WayCheck::WayCheck(std::shared_ptr<const RobotModel> model, const LinkUse& colli
 void WayCheck::clearMargins() {
   std::fill(margins_m_.begin(), margins_m_.end(), 0.0);
   growBodies();
+}
+
+void WayCheck::skip(const std::vector<Contact>& contacts) {
+  std::fill(skipped_.begin(), skipped_.end(), false);
+  for (const Contact& contact : contacts) {
+    const auto used = std::find(used_.shapes.begin(), used_.shapes.end(), contact.shape);
+    if (used != used_.shapes.end()) {
+      skipped_[static_cast<std::size_t>(used - used_.shapes.begin())] = true;
+    }
+  }
 }
 
 void WayCheck::setMargins(const JointPath& path, double from_s, double to_s,
@@ -95,12 +112,6 @@ void WayCheck::place(const Way& way, double time_s, std::vector<double>& positio
   ++poses_;
 }
 
-std::optional<Contact> WayCheck::touching(const CuboidMap& map, std::uint32_t shape) const {
-  const auto cuboid = collision_.first(map, grown_.shapes[shape], grown_.poses[shape], shape);
-  if (!cuboid) return std::nullopt;
-  return Contact{shape, *cuboid};
-}
-
 double WayCheck::reach(std::uint32_t shape, const std::vector<double>& from,
                        const std::vector<double>& middle, const std::vector<double>& to,
                        std::vector<double>& travel) const {
@@ -110,10 +121,47 @@ double WayCheck::reach(std::uint32_t shape, const std::vector<double>& from,
   return bound_.displacement(shape, travel);
 }
 
+double WayCheck::knownClearance(std::uint32_t shape, const std::vector<double>& travel) {
+  const Known& known = known_[shape];
+  for (std::size_t v = 0; v < travel.size(); ++v) {
+    since_known_[v] = std::abs(travel[v] - known.travel[v]);
+  }
+  return known.clearance_m - bound_.displacement(shape, since_known_);
+}
+
+std::optional<Contact> WayCheck::touching(const Way& way, std::uint32_t shape,
+                                          const std::vector<double>& travel) {
+  if (knownClearance(shape, travel) > 0.0) return std::nullopt;
+  const auto cuboid = collision_.first(way.map, grown_.shapes[shape], grown_.poses[shape], shape);
+  if (!cuboid) return std::nullopt;
+  return Contact{shape, *cuboid};
+}
+
+bool WayCheck::comesNear(const Way& way, std::uint32_t shape, const std::vector<double>& travel,
+                         double metres) {
+  Known& known = known_[shape];
+  const Shape& solid = grown_.shapes[shape];
+  const Pose& pose = grown_.poses[shape];
+  if (known.nearest) {
+    const UprightBox box = way.map.box(way.map.cuboids[*known.nearest]);
+    if (overlaps(expanded(solid, {1.0, metres}), pose, box)) return true;
+  }
+  NearestCuboidSearch search(way.map, solid, pose, metres + kTouching);
+  const auto found =
+      search.find([&](const Cuboid& cuboid) { return collision_.hasSupport(way.map, cuboid); });
+  known.clearance_m = found ? found->distance_m : metres + kTouching;
+  known.travel = travel;
+  if (found) known.nearest = found->cuboid;
+  return found.has_value();
+}
+
 std::optional<WayCheck::Found> WayCheck::at(const Way& way, double time_s) {
+  std::vector<double>& travel = stretches_.front().travel;
   place(way, time_s, stretches_.front().positions);
+  way.path.travelUntil(time_s, travel);
   for (std::uint32_t shape = 0; shape < grown_.shapes.size(); ++shape) {
-    if (const auto contact = touching(way.map, shape)) return Found{time_s, *contact};
+    if (skipped_[shape]) continue;
+    if (const auto contact = touching(way, shape, travel)) return Found{time_s, *contact};
   }
   return std::nullopt;
 }
@@ -133,12 +181,23 @@ std::optional<WayCheck::Found> WayCheck::search(const Way& way, double from_s, d
   for (const std::uint32_t shape : stretch.shapes) {
     const double moved =
         reach(shape, stretch.travel_from, stretch.travel_middle, stretch.travel_to, stretch.travel);
-    const Shape swept = expanded(grown_.shapes[shape], {1.0, moved});
-    if (!collision_.first(way.map, swept, grown_.poses[shape], shape)) continue;
+    if (knownClearance(shape, stretch.travel_middle) > moved) continue;
+    if (!comesNear(way, shape, stretch.travel_middle, moved)) continue;
+    const bool is_jump = depth == kDepthMax && moved > reach_max_m_;
+    std::optional<std::uint32_t> swept_cuboid;
+    if (is_exempt_ || is_jump) {
+      const Shape swept = expanded(grown_.shapes[shape], {1.0, moved});
+      swept_cuboid = collision_.first(way.map, swept, grown_.poses[shape], shape);
+      if (!swept_cuboid) continue;
+    }
     stretch.shapes[near++] = shape;
     furthest = std::max(furthest, moved);
     if (found) continue;
-    if (const auto contact = touching(way.map, shape)) found = Found{middle_s, *contact};
+    if (const auto contact = touching(way, shape, stretch.travel_middle)) {
+      found = Found{middle_s, *contact};
+    } else if (is_jump) {
+      found = Found{middle_s, {shape, *swept_cuboid}};  // a jump: nothing shows that it is free
+    }
   }
   stretch.shapes.resize(near);
   if (near == 0) return std::nullopt;
@@ -156,12 +215,18 @@ std::optional<WayContact> WayCheck::firstContact(const CuboidMap& map, const Joi
                                                  bool look_at_begin) {
   const Way way{map, path, T_fixed_roots};
   poses_ = 0;
+  for (Known& known : known_) {
+    known.clearance_m = 0.0;
+    known.nearest.reset();
+  }
   std::optional<Found> found;
   if (look_at_begin) found = at(way, from_s);
   if (!found && to_s > from_s) {
     auto& shapes = stretches_.front().shapes;
-    shapes.resize(grown_.shapes.size());
-    for (std::uint32_t i = 0; i < shapes.size(); ++i) shapes[i] = i;
+    shapes.clear();
+    for (std::uint32_t i = 0; i < grown_.shapes.size(); ++i) {
+      if (!skipped_[i]) shapes.push_back(i);
+    }
     found = search(way, from_s, to_s, 0);
     if (!found) found = at(way, to_s);
   }

@@ -10,9 +10,11 @@ namespace tccm {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr ZBuffer::Pixel kEmpty{std::numeric_limits<float>::infinity(), 0, false};
 
 constexpr int kBins = 4096;
+constexpr int kNarrow = 2;  // columns on either side of its middle that most cuboids reach at most
 
 /// Rises with the angle of (x, y) like std::atan2, from -2 to 2, at a fraction of the cost: the
 /// place on the square |x| + |y| = 1.
@@ -52,22 +54,76 @@ struct HalfExtents {
   Vector3 operator()(const Sphere& s) const { return Vector3::Constant(s.radius); }
 };
 
-/// Angles that a solid cannot reach beyond: azimuth relative to that of its centre.
-struct AngularBounds {
-  double azimuth_low, azimuth_high;
-  double elevation_low, elevation_high;
+/// Where rays from one point outside a solid first meet it.
+/// @return the way there along the direction of length 1; infinite where the ray misses [m].
+template <typename Solid>
+class Entry {
+ public:
+  Entry(const Solid& solid, const Vector3& origin)
+      : solid_(solid), ray_{origin, Vector3::UnitX()} {}
+
+  double operator()(const Vector3& direction) {
+    ray_.direction = direction;
+    const LineSpan span = lineSpan(solid_, ray_);
+    return span.empty() || span.leave < 0.0 ? kInfinity : std::max(0.0, span.enter);
+  }
+
+ private:
+  const Solid& solid_;
+  Ray ray_;
 };
 
-/// From the corners of the box around the shape. Nothing where they are not all ahead of the plane
-/// through the viewpoint that stands upright across the way to the centre.
-std::optional<AngularBounds> cornerBounds(const Shape& shape, const Pose& T_fixed_shape,
-                                          const Vector3& to_shape) {
+/// Only faces whose outer side the origin is on can be entered through.
+template <>
+class Entry<Box> {
+ public:
+  Entry(const Box& box, const Vector3& origin)
+      : half_(box.half_extents * (1.0 + kRounding)), origin_(origin) {
+    for (int i = 0; i < 3; ++i) {
+      inward_[i] = -std::copysign(1.0, origin[i]);
+      beyond_[i] = std::abs(origin[i]) - box.half_extents[i];
+    }
+  }
+
+  double operator()(const Vector3& direction) const {
+    double enter = 0.0;
+    for (int i = 0; i < 3; ++i) {
+      if (beyond_[i] <= 0.0) continue;
+      const double towards = inward_[i] * direction[i];
+      if (!(towards > 0.0)) return kInfinity;
+      enter = std::max(enter, beyond_[i] / towards);
+    }
+    for (int i = 0; i < 3; ++i) {
+      if (std::abs(origin_[i] + enter * direction[i]) > half_[i]) return kInfinity;
+    }
+    return enter;
+  }
+
+ private:
+  static constexpr double kRounding = 1e-12;
+  Vector3 half_;
+  Vector3 origin_;
+  Vector3 inward_;  ///< signs of directions that lead in
+  Vector3 beyond_;  ///< how far the origin is outside of the faces on its side [m]
+};
+
+/// Angles that a solid cannot reach beyond: azimuth relative to that of its centre.
+struct AngularBounds {
+  double elevation_low = -0.5 * kPi, elevation_high = 0.5 * kPi;
+  /// Nothing where the corners are not all ahead of the plane through the viewpoint that stands
+  /// upright across the way to the centre.
+  struct Azimuth {
+    double low, high;
+  };
+  std::optional<Azimuth> azimuth = std::nullopt;
+};
+
+/// From the corners of the box around the shape.
+AngularBounds cornerBounds(const Shape& shape, const Pose& T_fixed_shape, const Vector3& to_shape) {
   const double range = to_shape.head<2>().norm();
-  if (range == 0.0) return std::nullopt;
-  const Eigen::Vector2d ahead = to_shape.head<2>() / range;
+  const Eigen::Vector2d ahead = to_shape.head<2>() / (range > 0.0 ? range : 1.0);
   const Eigen::Matrix3d edges =
       T_fixed_shape.linear() * std::visit(HalfExtents{}, shape).asDiagonal();
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   double nearest = kInfinity, farthest = 0.0, lowest = kInfinity, highest = -kInfinity;
   double right = kInfinity, left = -kInfinity;  // tangents of the azimuth
   for (unsigned i = 0; i < 8; ++i) {
@@ -75,7 +131,6 @@ std::optional<AngularBounds> cornerBounds(const Shape& shape, const Pose& T_fixe
         to_shape + edges * Vector3((i & 1U) ? 1 : -1, (i & 2U) ? 1 : -1, (i & 4U) ? 1 : -1);
     const Eigen::Vector2d level = corner.head<2>();
     const double along = ahead.dot(level);
-    if (along < 1e-3) return std::nullopt;
     const double tangent = cross(ahead, level) / along;
     right = std::min(right, tangent);
     left = std::max(left, tangent);
@@ -84,9 +139,16 @@ std::optional<AngularBounds> cornerBounds(const Shape& shape, const Pose& T_fixe
     lowest = std::min(lowest, corner.z());
     highest = std::max(highest, corner.z());
   }
-  return AngularBounds{std::atan(right), std::atan(left),
-                       std::atan(lowest / (lowest < 0.0 ? nearest : farthest)),
-                       std::atan(highest / (highest < 0.0 ? farthest : nearest))};
+  AngularBounds angles;
+  const bool is_ahead = nearest >= 1e-3;
+  if (is_ahead) angles.azimuth = {std::atan(right), std::atan(left)};
+  if (is_ahead || lowest > 0.0) {
+    angles.elevation_low = std::atan(lowest / (lowest < 0.0 ? nearest : farthest));
+  }
+  if (is_ahead || highest < 0.0) {
+    angles.elevation_high = std::atan(highest / (highest < 0.0 ? farthest : nearest));
+  }
+  return angles;
 }
 
 }  // namespace
@@ -95,24 +157,25 @@ ZBuffer::ZBuffer(double resolution)
     : resolution_(kPi / std::ceil(kPi / resolution)),
       rows_(static_cast<int>(std::lround(kPi / resolution_))),
       columns_(2 * rows_),
+      rows_a_pixel_(1.0 / columns_),
+      narrow_sine_(std::sin(std::min(kNarrow * resolution_, 0.25 * kPi))),
       pixels_(static_cast<std::size_t>(rows_ * columns_), kEmpty),
-      column_farthest_(static_cast<std::size_t>(columns_), 0.0F) {
-  directions_.reserve(pixels_.size());
+      level_rays_(static_cast<std::size_t>(columns_)),
+      column_farthest_(static_cast<std::size_t>(columns_), 0.0F),
+      neighbours_farthest_(static_cast<std::size_t>(columns_), 0.0F) {
   drawn_.reserve(pixels_.size());
   for (int row = 0; row < rows_; ++row) {
     const double elevation = (row + 0.5) * resolution_ - 0.5 * kPi;
     cosines_.push_back(std::cos(elevation));
+    sines_.push_back(std::sin(elevation));
     tangents_.push_back(std::tan(elevation));
     row_borders_.push_back(std::tan(row * resolution_ - 0.5 * kPi));
-    for (int column = 0; column < columns_; ++column) {
-      const double azimuth = (column + 0.5) * resolution_ - kPi;
-      directions_.emplace_back(std::cos(elevation) * std::cos(azimuth),
-                               std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
-    }
   }
   for (int column = 0; column < columns_; ++column) {
     const double azimuth = column * resolution_ - kPi;
     column_borders_.emplace_back(std::cos(azimuth), std::sin(azimuth));
+    const double middle = (column + 0.5) * resolution_ - kPi;
+    column_middles_.emplace_back(std::cos(middle), std::sin(middle));
   }
   for (int bin = 0; bin < kBins; ++bin) {
     const Eigen::Vector2d slope = squareDirection(std::max(-1.0, binStart(bin, -1.0)));
@@ -127,6 +190,7 @@ void ZBuffer::begin(const Vector3& viewpoint) {
   for (const std::uint32_t index : drawn_) pixels_[index] = kEmpty;
   drawn_.clear();
   std::fill(column_farthest_.begin(), column_farthest_.end(), 0.0F);
+  std::fill(neighbours_farthest_.begin(), neighbours_farthest_.end(), 0.0F);
   farthest_ = 0.0F;
   lowest_row_ = rows_;
   highest_row_ = -1;
@@ -158,18 +222,29 @@ int ZBuffer::columnOfDirection(const Eigen::Vector2d& direction) const {
   return column;
 }
 
+int ZBuffer::columnFrom(int column, const Eigen::Vector2d& direction) const {
+  const auto isLeftOf = [&](int border) {
+    return cross(column_borders_[static_cast<std::size_t>(border)], direction) >= 0.0;
+  };
+  const auto next = [this](int c) { return c + 1 < columns_ ? c + 1 : 0; };
+  while (!isLeftOf(column)) column = column > 0 ? column - 1 : columns_ - 1;
+  while (isLeftOf(next(column))) column = next(column);
+  return column;
+}
+
 ZBuffer::Window ZBuffer::windowOf(const Shape& shape, const Pose& T_fixed_shape) const {
   const Vector3 to_shape = T_fixed_shape.translation() - viewpoint_;
   const double range = to_shape.norm();
   const double radius = boundingRadius(shape);
-  Window window{0, rows_, 0, columns_};
-  if (const auto corners = cornerBounds(shape, T_fixed_shape, to_shape)) {
+  const AngularBounds angles = cornerBounds(shape, T_fixed_shape, to_shape);
+  Window window{rowOf(angles.elevation_low), rowOf(angles.elevation_high) + 1, 0, columns_};
+  if (angles.azimuth) {
     const double azimuth = std::atan2(to_shape.y(), to_shape.x());
-    const int first = columnOf(azimuth + corners->azimuth_low);
-    const int last = columnOf(azimuth + corners->azimuth_high);
+    const int first = columnOf(azimuth + angles.azimuth->low);
+    const int last = columnOf(azimuth + angles.azimuth->high);
     const int turn = first < 0 ? columns_ : first >= columns_ ? -columns_ : 0;
-    window = {rowOf(corners->elevation_low), rowOf(corners->elevation_high) + 1, first + turn,
-              last + turn + 1};
+    window.column_begin = first + turn;
+    window.column_end = last + turn + 1;
   }
   if (range <= radius) return window;
   const double elevation = std::asin(std::clamp(to_shape.z() / range, -1.0, 1.0));
@@ -180,51 +255,73 @@ ZBuffer::Window ZBuffer::windowOf(const Shape& shape, const Pose& T_fixed_shape)
 }
 
 void ZBuffer::draw(const Shape& shape, const Pose& T_fixed_shape, std::uint32_t index) {
-  const Vector3 viewpoint_shape = T_fixed_shape.inverse() * viewpoint_;
-  if (distance(shape, viewpoint_shape) == 0.0) return;
+  const double nearest = distance(shape, T_fixed_shape.inverse() * viewpoint_);
+  if (nearest == 0.0) return;
   const Window window = windowOf(shape, T_fixed_shape);
-  std::visit([&](const auto& solid) { drawIn(window, solid, T_fixed_shape, index); }, shape);
+  // Rounded down: what is nearer already stays.
+  const auto depth_min = static_cast<float>(nearest * (1.0 - 1e-6));
+  const float farthest = std::visit(
+      [&](const auto& solid) { return drawIn(window, solid, T_fixed_shape, index, depth_min); },
+      shape);
+  farthest_ = std::max(farthest_, farthest);
+  const int margin = kNarrow + 1;
+  const int columns = std::min(window.column_end - window.column_begin + 2 * margin, columns_);
+  for (int k = 0; k < columns; ++k) {
+    const int column = (window.column_begin - margin + k + columns_) % columns_;
+    float& of_column = neighbours_farthest_[static_cast<std::size_t>(column)];
+    of_column = std::max(of_column, farthest);
+  }
 }
 
 template <typename Solid>
-void ZBuffer::drawIn(const Window& window, const Solid& solid, const Pose& T_fixed_shape,
-                     std::uint32_t index) {
+float ZBuffer::drawIn(const Window& window, const Solid& solid, const Pose& T_fixed_shape,
+                      std::uint32_t index, float depth_min) {
+  float farthest_drawn = 0.0F;
   const Eigen::Matrix3d R_shape_fixed = T_fixed_shape.linear().transpose();
   const Vector3 to_shape = T_fixed_shape.translation() - viewpoint_;
-  Ray ray{R_shape_fixed * -to_shape, Vector3::UnitX()};
+  Entry<Solid> entry(solid, R_shape_fixed * -to_shape);
   const double range = to_shape.norm();
   const double reach = std::min(1.0, boundingRadius(solid) / range);
   // Rays further from the centre's direction than this miss the sphere around the shape.
   const double along_least = reach < 1.0 ? range * std::sqrt(1.0 - reach * reach) - 1e-9 : -range;
+  // A ray's direction is its column's, level with the viewpoint, times the cosine of its row's
+  // elevation, and upwards by the sine.
+  for (int c = window.column_begin; c < window.column_end; ++c) {
+    const auto column = static_cast<std::size_t>(c < columns_ ? c : c - columns_);
+    const Eigen::Vector2d& level = column_middles_[column];
+    level_rays_[column] = {R_shape_fixed.leftCols<2>() * level, to_shape.head<2>().dot(level)};
+  }
   for (int row = window.row_begin; row < window.row_end; ++row) {
-    const auto row_start = static_cast<std::size_t>(row * columns_);
-    const Vector3* directions = &directions_[row_start];
-    Pixel* pixels = &pixels_[row_start];
+    Pixel* pixels = &pixels_[static_cast<std::size_t>(row * columns_)];
+    const double cosine = cosines_[static_cast<std::size_t>(row)];
+    const double sine = sines_[static_cast<std::size_t>(row)];
+    const Vector3 upwards = R_shape_fixed.col(2) * sine;
+    const double along_level_least = along_least - to_shape.z() * sine;
     // Rounded up, so that nothing is left out that stands just in front.
-    const auto level = static_cast<float>(cosines_[static_cast<std::size_t>(row)] * (1.0 + 1e-6));
+    const auto level = static_cast<float>(cosine * (1.0 + 1e-6));
     bool any = false;
     for (int c = window.column_begin; c < window.column_end; ++c) {
       const int column = c < columns_ ? c : c - columns_;
-      if (to_shape.dot(directions[column]) < along_least) continue;
-      ray.direction = R_shape_fixed * directions[column];
-      const LineSpan span = lineSpan(solid, ray);
-      if (span.empty() || span.leave < 0.0) continue;
-      const auto depth = static_cast<float>(std::max(0.0, span.enter));
+      const LevelRay& ray = level_rays_[static_cast<std::size_t>(column)];
       Pixel& pixel = pixels[column];
-      if (depth >= pixel.depth) continue;
+      if (pixel.depth < depth_min || cosine * ray.along < along_level_least) continue;
+      const auto depth = static_cast<float>(entry(cosine * ray.direction + upwards));
+      // Of two at the same depth the first of the body is shown, in whichever order they come.
+      if (!(depth < pixel.depth || (depth == pixel.depth && index < pixel.shape))) continue;
       if (std::isinf(pixel.depth)) {
         drawn_.push_back(static_cast<std::uint32_t>(&pixel - pixels_.data()));
       }
       pixel = {depth, index, false};
       float& farthest = column_farthest_[static_cast<std::size_t>(column)];
       farthest = std::max(farthest, depth * level);
+      farthest_drawn = std::max(farthest_drawn, depth * level);
       any = true;
     }
     if (!any) continue;
     lowest_row_ = std::min(lowest_row_, row);
     highest_row_ = std::max(highest_row_, row);
   }
-  farthest_ = *std::max_element(column_farthest_.begin(), column_farthest_.end());
+  return farthest_drawn;
 }
 
 std::optional<ZBuffer::Silhouette> ZBuffer::silhouette(const CuboidMap& map,
@@ -232,7 +329,11 @@ std::optional<ZBuffer::Silhouette> ZBuffer::silhouette(const CuboidMap& map,
   const Cuboid& c = map.cuboids[cuboid];
   const Eigen::Vector2d centre = map.grid.centre(c.cell) - viewpoint_.head<2>();
   const double half_diagonal = std::sqrt(0.5) * map.grid.config().cell_size_m;
-  const double range = centre.norm();
+  const double range2 = centre.squaredNorm();
+  // As below, without a root for most, and with room for rounding.
+  const double range_max = farthest_ + half_diagonal + 1e-6;
+  if (range2 > range_max * range_max) return std::nullopt;
+  const double range = std::sqrt(range2);
   Silhouette s{};
   s.cuboid = cuboid;
   s.near = std::max(range - half_diagonal, 1e-3);
@@ -242,11 +343,17 @@ std::optional<ZBuffer::Silhouette> ZBuffer::silhouette(const CuboidMap& map,
   s.top = map.grid.metres(c.top) - viewpoint_.z();
   s.column_end = columns_;
   if (range > half_diagonal) {
+    const int middle = columnOfDirection(centre);
+    const bool is_narrow = half_diagonal < range * narrow_sine_;
+    if (is_narrow && neighbours_farthest_[static_cast<std::size_t>(middle)] <= s.near) {
+      return std::nullopt;
+    }
     // The tangents from the viewpoint to the circle around the cell.
     const double length = std::sqrt(range * range - half_diagonal * half_diagonal);
     const Eigen::Vector2d across = half_diagonal * Eigen::Vector2d(-centre.y(), centre.x());
-    s.column_begin = columnOfDirection(length * centre - across);
-    s.column_end = columnOfDirection(length * centre + across) + 1;
+    const Eigen::Vector2d right = length * centre - across, left = length * centre + across;
+    s.column_begin = is_narrow ? columnFrom(middle, right) : columnOfDirection(right);
+    s.column_end = (is_narrow ? columnFrom(middle, left) : columnOfDirection(left)) + 1;
     if (s.column_end <= s.column_begin) s.column_end += columns_;
     if (!reachesBehind(s)) return std::nullopt;
   }

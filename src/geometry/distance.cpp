@@ -19,26 +19,31 @@ Vector3 corner(const Vector3& half, const Vector3& towards) {
           std::copysign(half.z(), towards.z())};
 }
 
-/// The shape's point furthest in a direction: both along the fixed frame's axes, from the shape's
-/// centre.
-struct BoxSupport {
-  Eigen::Matrix3d axes;
-  Vector3 half_extents;
-
-  Vector3 operator()(const Vector3& towards) const {
-    return axes * corner(half_extents, axes.transpose() * towards);
+/// The point furthest in a direction, both in the shape's frame.
+struct Furthest {
+  Vector3 direction;
+  Vector3 operator()(const Box& box) const { return corner(box.half_extents, direction); }
+  Vector3 operator()(const Cylinder& c) const {
+    const double across = std::sqrt(direction.x() * direction.x() + direction.y() * direction.y());
+    const double scale = across > 0.0 ? c.radius / across : 0.0;
+    return {direction.x() * scale, direction.y() * scale,
+            std::copysign(c.half_length, direction.z())};
   }
+  Vector3 operator()(const Capsule& c) const {
+    const Vector3 outwards = direction.stableNormalized() * c.radius;
+    return {outwards.x(), outwards.y(), outwards.z() + std::copysign(c.half_length, direction.z())};
+  }
+  Vector3 operator()(const Sphere& s) const { return direction.stableNormalized() * s.radius; }
 };
 
-struct CylinderSupport {
+/// The solid's point furthest in a direction: both along the fixed frame's axes, from its centre.
+template <typename Solid>
+struct Support {
   Eigen::Matrix3d axes;
-  Cylinder cylinder;
+  const Solid& solid;
 
   Vector3 operator()(const Vector3& towards) const {
-    const Vector3 d = axes.transpose() * towards;
-    const double across = std::sqrt(d.x() * d.x() + d.y() * d.y());
-    const double scale = across > 0.0 ? cylinder.radius / across : 0.0;
-    return axes * Vector3(d.x() * scale, d.y() * scale, std::copysign(cylinder.half_length, d.z()));
+    return axes * Furthest{axes.transpose() * towards}(solid);
   }
 };
 
@@ -121,53 +126,61 @@ class Simplex {
 /// Distance from the box around 0 to a convex shape at centre. Every v != 0 gives a plane between
 /// the two, and so a lower bound; every v of the set of their differences an upper one.
 /// @param v where to look first: about from the box's nearest point to the shape's.
-template <typename Support>
-double iteratedDistance(const Vector3& centre, const Support& support, const Vector3& half,
-                        Vector3 v) {
+template <typename Solid>
+Separation iterated(const Vector3& centre, const Support<Solid>& support, const Vector3& half, Vector3 v,
+                    double enough_m) {
   const auto furthest = [&](const Vector3& towards) {
     return Vector3(centre + support(towards) + corner(half, towards));
   };
-  double lower = 0.0;
+  Separation lower;
   double upper = std::numeric_limits<double>::infinity();
   Simplex simplex;
   for (int i = 0; i < kMostIterations && !simplex.isFull(); ++i) {
     const double norm = v.norm();
     if (!(norm < upper)) break;
     const Vector3 w = furthest(-v);
-    lower = std::max(lower, v.dot(w) / norm);
+    const double bound = v.dot(w) / norm;
+    if (bound > lower.distance_m) lower = {bound, v / norm};
     if (i > 0) upper = norm;
-    if (upper - lower < kTolerance) break;
+    if (upper - lower.distance_m < kTolerance || lower.distance_m >= enough_m) break;
     simplex.add(w);
     v = simplex.reduce();
   }
   return lower;
 }
 
-struct Distance {
+/// Of a ball from a box. @param gap from the box's nearest point to the ball's centre.
+Separation fromGap(const Vector3& gap, double radius) {
+  const double norm = gap.norm();
+  if (!(norm > radius)) return {};
+  return {norm - radius, gap / norm};
+}
+
+struct Separate {
   const Pose& T_fixed_shape;
   Vector3 centre;  ///< the shape's, from the upright box's
   Vector3 half;    ///< the upright box's
+  double enough_m;
 
-  double operator()(const Sphere& s) const {
-    return std::max(0.0, outside(centre, half).norm() - s.radius);
+  Separation operator()(const Sphere& s) const { return fromGap(outside(centre, half), s.radius); }
+
+  Separation operator()(const Capsule& c) const {
+    return fromGap(fromAxis(c.half_length).gap, c.radius);
   }
 
-  double operator()(const Capsule& c) const {
-    return std::max(0.0, fromAxis(c.half_length).gap.norm() - c.radius);
-  }
-
-  double operator()(const Box& b) const {
+  Separation operator()(const Box& b) const {
     const Vector3 gap = outside(centre, half);
-    if (gap.isZero(0.0)) return 0.0;
-    return iteratedDistance(centre, BoxSupport{T_fixed_shape.linear(), b.half_extents}, half, gap);
+    if (gap.isZero(0.0)) return {};
+    return iterated(centre, Support<Box>{T_fixed_shape.linear(), b}, half, gap,
+                    enough_m);
   }
 
   /// A cylinder lies in the capsule with its axis, and touches that capsule's side everywhere.
-  double operator()(const Cylinder& c) const {
+  Separation operator()(const Cylinder& c) const {
     const FromAxis nearest = fromAxis(c.half_length);
-    const double to_axis = nearest.gap.norm();
-    if (nearest.is_inner || !(to_axis > 0.0)) return std::max(0.0, to_axis - c.radius);
-    return iteratedDistance(centre, CylinderSupport{T_fixed_shape.linear(), c}, half, nearest.gap);
+    if (nearest.is_inner || !(nearest.gap.norm() > 0.0)) return fromGap(nearest.gap, c.radius);
+    return iterated(centre, Support<Cylinder>{T_fixed_shape.linear(), c}, half, nearest.gap,
+                    enough_m);
   }
 
  private:
@@ -196,8 +209,18 @@ struct Core {
 }  // namespace
 
 double distance(const Shape& shape, const Pose& T_fixed_shape, const UprightBox& box) {
+  return separation(shape, T_fixed_shape, box, std::numeric_limits<double>::infinity()).distance_m;
+}
+
+Separation separation(const Shape& shape, const Pose& T_fixed_shape, const UprightBox& box,
+                      double enough_m) {
   const Vector3 centre = T_fixed_shape.translation() - box.center();
-  return std::visit(Distance{T_fixed_shape, centre, 0.5 * box.sizes()}, shape);
+  return std::visit(Separate{T_fixed_shape, centre, 0.5 * box.sizes(), enough_m}, shape);
+}
+
+Vector3 furthest(const Shape& shape, const Pose& T_fixed_shape, const Vector3& direction) {
+  return T_fixed_shape *
+         std::visit(Furthest{T_fixed_shape.linear().transpose() * direction}, shape);
 }
 
 double distanceBound(const UprightBox& bounds_of_shape, const UprightBox& box) {

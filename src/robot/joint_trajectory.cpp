@@ -9,6 +9,7 @@ namespace tccm {
 namespace {
 
 constexpr double kLargest = 1e6;
+constexpr double kLimitTolerance = 0.01;  // [rad or m]
 constexpr double kPi = 3.14159265358979323846;
 
 /// The coefficients of a joint's polynomial over one stretch, from the lowest power.
@@ -48,10 +49,12 @@ double valueOf(const Spline& c, double t) {
   return c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * (c[4] + t * c[5]))));
 }
 
-/// No second derivative on [0, T] is larger.
+/// No second derivative on [0, T] is larger: that of its Bernstein coefficients.
 double curvatureMax(const Spline& c, double T) {
-  return 2.0 * std::abs(c[2]) + 6.0 * std::abs(c[3]) * T + 12.0 * std::abs(c[4]) * T * T +
-         20.0 * std::abs(c[5]) * T * T * T;
+  const double a = 2.0 * c[2], b = 6.0 * c[3] * T;
+  const double d = 12.0 * c[4] * T * T, e = 20.0 * c[5] * T * T * T;
+  return std::max({std::abs(a), std::abs(a + b / 3.0), std::abs(a + (2.0 * b + d) / 3.0),
+                   std::abs(a + b + d + e)});
 }
 
 bool allFinite(const std::vector<double>& values) {
@@ -109,7 +112,7 @@ void addStretch(const JointTrajectory::Point& a, const JointTrajectory::Point& b
     splines.push_back(splineOf(a, b, j, T));
     curvature = std::max(curvature, curvatureMax(splines.back(), T));
   }
-  constexpr double kPiecesMax = 64.0;
+  constexpr double kPiecesMax = 128.0;
   const double pieces =
       std::clamp(std::ceil(T * std::sqrt(curvature / (8.0 * tolerance))), 1.0, kPiecesMax);
   for (double k = 1.0; k <= pieces; ++k) {
@@ -122,7 +125,31 @@ void addStretch(const JointTrajectory::Point& a, const JointTrajectory::Point& b
   }
 }
 
+/// The first joint's name; empty where there is none.
+std::string jointBeyondItsLimit(const JointTrajectory& trajectory,
+                                const JointTrajectory::Point& point, const RobotModel& model) {
+  for (std::size_t j = 0; j < trajectory.names.size(); ++j) {
+    for (const JointVariable& variable : model.variables()) {
+      if (variable.name != trajectory.names[j]) continue;
+      const double position = point.positions[j];
+      if ((variable.lower && position < *variable.lower - kLimitTolerance) ||
+          (variable.upper && position > *variable.upper + kLimitTolerance)) {
+        return variable.name;
+      }
+    }
+  }
+  return {};
+}
+
 }  // namespace
+
+bool isTurning(const RobotModel& model, std::size_t variable) {
+  const JointVariable& limits = model.variables()[variable];
+  return !limits.lower && !limits.upper &&
+         std::none_of(model.joints().begin(), model.joints().end(), [&](const RobotJoint& joint) {
+           return joint.motion == RobotJoint::Motion::kTranslation && joint.variable == variable;
+         });
+}
 
 std::string defectOf(const JointTrajectory& trajectory, const RobotModel& model) {
   if (trajectory.names.empty()) return "it names no joint";
@@ -138,6 +165,10 @@ std::string defectOf(const JointTrajectory& trajectory, const RobotModel& model)
     const std::string defect = defectOfPoint(point, trajectory.names.size());
     if (!defect.empty()) return "point " + std::to_string(i) + " " + defect;
     if (point.time_s < 0.0) return "point " + std::to_string(i) + " lies before the start";
+    const std::string joint = jointBeyondItsLimit(trajectory, point, model);
+    if (!joint.empty()) {
+      return "point " + std::to_string(i) + " has joint '" + joint + "' beyond its limit";
+    }
     if (i > 0 && !(point.time_s > trajectory.points[i - 1].time_s)) {
       return "point " + std::to_string(i) + " is not after the one before it";
     }
@@ -161,17 +192,27 @@ void makePath(const JointTrajectory& trajectory, const RobotModel& model,
   const std::vector<std::size_t> variables = variablesOf(trajectory, model);
   const JointTrajectory::Point& first = trajectory.points.front();
   std::vector<double> positions = from, shift(variables.size(), 0.0);
-  path.clear();
-  if (first.time_s > 0.0) path.add(0.0, positions);
+  // Where it comes from, at rest, as far as the first point says anything of velocities.
+  JointTrajectory::Point start;
+  start.velocities.assign(first.velocities.size(), 0.0);
+  start.accelerations.assign(first.accelerations.size(), 0.0);
   for (std::size_t j = 0; j < variables.size(); ++j) {
-    const JointVariable& variable = model.variables()[variables[j]];
-    if (!variable.lower && !variable.upper) {
+    if (isTurning(model, variables[j])) {
       const double turns = (from[variables[j]] - first.positions[j]) / (2.0 * kPi);
       shift[j] = 2.0 * kPi * std::round(turns);
     }
-    positions[variables[j]] = first.positions[j] + shift[j];
+    start.positions.push_back(from[variables[j]] - shift[j]);
   }
-  path.add(first.time_s, positions);
+  path.clear();
+  if (first.time_s > 0.0) {
+    path.add(0.0, positions);
+    addStretch(start, first, variables, shift, tolerance, positions, path);
+  } else {
+    for (std::size_t j = 0; j < variables.size(); ++j) {
+      positions[variables[j]] = first.positions[j] + shift[j];
+    }
+    path.add(0.0, positions);
+  }
   for (std::size_t i = 0; i + 1 < trajectory.points.size(); ++i) {
     addStretch(trajectory.points[i], trajectory.points[i + 1], variables, shift, tolerance,
                positions, path);

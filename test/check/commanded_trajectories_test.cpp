@@ -84,14 +84,44 @@ TEST_F(CommandedTrajectoriesTest, AtItsEndItIsForgotten) {
     followAt(now, std::min(0.4, 0.4 * (now - 100.0)));
   }
   EXPECT_FALSE(commanded_.active());
-  EXPECT_EQ(commanded_.abandoned(), 0U);
+  EXPECT_EQ(commanded_.defect(), "");
 }
 
-TEST_F(CommandedTrajectoriesTest, ARobotThatGoesElsewhereDoesNotFollowIt) {
+TEST_F(CommandedTrajectoriesTest, WhereARobotThatGoesElsewhereGoesIsNotKnownUntilTheNextCommand) {
   command(along("slide", {0.4}));
   for (double now = 100.0; now < 101.0; now += 0.01) followAt(now, -(now - 100.0));
   EXPECT_FALSE(commanded_.active());
-  EXPECT_EQ(commanded_.abandoned(), 1U);
+  EXPECT_NE(commanded_.defect().find("does not follow"), std::string::npos);
+  EXPECT_EQ(command({{"slide"}, {}}), "");
+  EXPECT_EQ(commanded_.defect(), "");
+}
+
+TEST_F(CommandedTrajectoriesTest, OneThatBeginsElsewhereAtOnceIsNotUnderstood) {
+  const JointTrajectory jump{{"slide"}, {{0.0, {0.8}, {}, {}}, {1.0, {0.9}, {}, {}}}};
+  EXPECT_NE(command(jump).find("starts elsewhere"), std::string::npos);
+  EXPECT_FALSE(commanded_.active());
+}
+
+TEST_F(CommandedTrajectoriesTest, ASinglePointAtOnceIsLookedAtUntilTheRobotIsThere) {
+  const JointTrajectory step{{"slide"}, {{0.0, {0.25}, {}, {}}}};
+  EXPECT_EQ(command(step), "");
+  followAt(100.01, 0.0);
+  ASSERT_TRUE(commanded_.active());
+  EXPECT_NEAR(slideAfter(0.5), 0.25, 1e-9);
+  followAt(100.3, 0.24);
+  EXPECT_FALSE(commanded_.active());
+}
+
+TEST_F(CommandedTrajectoriesTest, WhatOneControllerIsToldSaysNothingOfTheOthersJoints) {
+  JointTrajectory bad = along("slide", {0.1, 0.2});
+  bad.points[1].time_s = 0.5;
+  EXPECT_EQ(command(along("glide", {0.4})), "");
+  EXPECT_NE(command(bad), "");
+  EXPECT_TRUE(commanded_.active()) << "the other one's is still followed";
+  EXPECT_EQ(command({{"glide"}, {}}), "");
+  EXPECT_NE(commanded_.defect(), "") << "what the slide does is still not known";
+  EXPECT_EQ(command({{"slide"}, {}}), "");
+  EXPECT_EQ(commanded_.defect(), "");
 }
 
 TEST_F(CommandedTrajectoriesTest, JointsThatAreNotNamedGoOnAtTheirVelocities) {
@@ -113,10 +143,10 @@ TEST_F(CommandedTrajectoriesTest,
   way_.positionsAt(0.5, positions);
   EXPECT_NEAR(positions[slide_], 0.2, 1e-6);
   EXPECT_NEAR(positions[glide_], -0.2, 1e-6);
-  command(along("slide", {-0.8}));
+  command(along("slide", {-0.4}));
   commanded_.makeWay(*model_, joints_, 0.5, way_);
   way_.positionsAt(0.5, positions);
-  EXPECT_NEAR(positions[slide_], -0.4, 1e-6);
+  EXPECT_NEAR(positions[slide_], -0.2, 1e-6);
   EXPECT_NEAR(positions[glide_], -0.2, 1e-6);
 }
 
@@ -132,7 +162,10 @@ TEST_F(CommandedTrajectoriesTest, OneWithoutPointsCancelsItsJointsOrAll) {
 
 TEST_F(CommandedTrajectoriesTest, WhatIsNotUnderstoodIsSaidUntilTheNextOneAndNothingIsFollowed) {
   command(along("slide", {0.4}));
-  EXPECT_NE(command(along("sldie", {0.4})), "");
+  JointTrajectory slip = along("slide", {0.4});
+  slip.names = {"slide", "sldie"};
+  slip.points[0].positions = {0.4, 0.4};
+  EXPECT_NE(command(slip), "");
   EXPECT_FALSE(commanded_.active());
   EXPECT_NE(commanded_.defect().find("'sldie'"), std::string::npos);
   JointTrajectory unordered = along("slide", {0.1, 0.2});

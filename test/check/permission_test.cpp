@@ -138,6 +138,7 @@ TEST_F(PermissionTest, ResetIsRefusedWhileTheCauseLasts) {
     decideUntil(now_, {cause});
     EXPECT_NE(permission_.reset().find(name(cause.reason)), std::string::npos);
     decideUntil(now_, {});
+    EXPECT_EQ(permission_.reset(), "");
   }
   EXPECT_EQ(permission_.reset(), "");
 }
@@ -180,6 +181,35 @@ TEST_F(PermissionTest, MovingOutDoesNotHideAFaultNorLiftOneThatHolds) {
   EXPECT_EQ(decide({kMovesOut, kNoJoints}).worst.reason, Reason::kNoJoints);
   now_ += 0.02;
   EXPECT_EQ(decide({kMovesOut}).worst.reason, Reason::kAwaitingReset);
+}
+
+TEST_F(PermissionTest, ComingOutOfAHidingPlaceDoesNotLiftACollisionThatHolds) {
+  decide({});
+  now_ += 0.02;
+  decide({kTouches});
+  now_ += 0.02;
+  decide({});
+  Permission::Findings findings;
+  findings.causes = {{Reason::kMovingOut, "hand comes out of where it is hidden", "hand"}};
+  findings.known = true;
+  findings.window = fromSeconds(1.0);
+  EXPECT_EQ(permission_.decide(at(now_ + 0.02), findings).worst.reason, Reason::kAwaitingReset);
+}
+
+TEST_F(PermissionTest, AFaultThatIsOverIsResetInContactSoThatTheRobotCanMoveOut) {
+  decide({});
+  now_ += 0.02;
+  decide({kTouches});
+  now_ += 0.02;
+  decide({kTouches, kNoJoints});
+  EXPECT_NE(permission_.reset(), "");
+  now_ += 0.02;
+  EXPECT_EQ(decide({kTouches}).latched, Reason::kNoJoints);
+  EXPECT_EQ(permission_.reset(), "");
+  now_ += 0.02;
+  EXPECT_EQ(decide({kMovesOut}, 0.2).worst.reason, Reason::kMovingOut);
+  now_ += 0.02;
+  EXPECT_EQ(decide({}).latched, Reason::kCollision) << "which holds all the same";
 }
 
 TEST_F(PermissionTest, WhatTouchesWhileTheRobotMovesAwayHoldsAsWell) {

@@ -84,6 +84,8 @@ class Checker {
 
   /// The reference is valid until the next call. @param now not before that of earlier calls.
   const Verdict& check(Time now);
+  /// In place of a check that could not be made, or came to nothing.
+  const Verdict& fail(Time now, const Cause& cause);
   /// Lifts what holds until it is reset. @return why not; empty where it is lifted.
   [[nodiscard]] std::string reset() { return permission_.reset(); }
   /// As at the start: after time has jumped back.

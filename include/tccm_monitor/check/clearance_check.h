@@ -11,6 +11,8 @@
 
 namespace tccm {
 
+struct NearestCuboid;
+
 /// The distance from each link to the nearest cuboid: of the primitives as they are, without
 /// padding. Only cuboids with enough support count, as for contacts.
 class ClearanceCheck {
@@ -29,15 +31,8 @@ class ClearanceCheck {
                              const std::vector<Pose>& T_fixed_roots);
 
  private:
-  struct Nearest {
-    double distance_m;
-    std::uint32_t cuboid;
-  };
   /// The nearest cuboid that is nearer than that.
-  [[nodiscard]] std::optional<Nearest> nearest(const CuboidMap& map, const Shape& shape,
-                                               const Pose& T_fixed_shape,
-                                               double nearer_than_m) const;
-  [[nodiscard]] std::optional<Nearest> nearestWithin(const CuboidMap& map, const Shape& shape,
+  [[nodiscard]] std::optional<NearestCuboid> nearest(const CuboidMap& map, const Shape& shape,
                                                      const Pose& T_fixed_shape,
                                                      double nearer_than_m) const;
 

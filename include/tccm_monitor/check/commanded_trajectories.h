@@ -33,7 +33,8 @@ class CommandedTrajectories {
   /// that move one of its joints, or all where it names none.
   /// @param positions where the robot is, one for each variable; empty: not known, and then only a
   /// cancellation is understood.
-  /// @return what is wrong with it, in one line; then nothing is followed until the next one.
+  /// @return what is wrong with it, in one line. What its joints do is not known then, until the
+  /// next one for any of them.
   std::string command(Time now, const JointTrajectory& trajectory, const RobotModel& model,
                       const std::vector<double>& positions);
   void clear();
@@ -42,10 +43,11 @@ class CommandedTrajectories {
   void follow(Time now, const std::vector<double>& positions);
 
   [[nodiscard]] bool active() const { return !active_.empty(); }
-  /// What is wrong with the last that was commanded; empty where nothing is.
-  [[nodiscard]] const std::string& defect() const { return defect_; }
-  /// How many were forgotten because the robot did something else.
-  [[nodiscard]] std::size_t abandoned() const { return abandoned_; }
+  /// What is wrong with what was commanded, also that the robot does not follow it; empty where
+  /// nothing is.
+  [[nodiscard]] std::string defect() const {
+    return defects_.empty() ? std::string() : defects_.front().text;
+  }
 
   /// The way from where the robot is on: along the trajectories, and for joints that none of them
   /// moves at their velocities, no further than their limits.
@@ -55,22 +57,30 @@ class CommandedTrajectories {
 
  private:
   struct Active {
+    std::vector<std::string> names;
     std::vector<std::size_t> variables;
     JointPath path;
-    double at_s = 0.0;  ///< how far the robot has come
-    Time asked;         ///< when that was found
+    double at_s = 0.0;               ///< how far the robot has come
+    Time asked;                      ///< when that was found
+    std::vector<double> shift = {};  ///< of the variables: whole turns
   };
+  struct Defect {
+    std::vector<std::string> names;
+    std::string text;
+  };
+  void forget(const std::vector<std::string>& names);
   /// The largest difference of any of its joints.
   [[nodiscard]] double deviation(const Active& active, double time_s,
                                  const std::vector<double>& positions);
   /// @return false where it is done, or not followed.
   [[nodiscard]] bool moveOn(Active& active, Time now, const std::vector<double>& positions);
   [[nodiscard]] bool isDone(const Active& active);
+  void findShift(Active& active, const std::vector<double>& positions);
 
   Config config_;
   std::vector<Active> active_;
-  std::string defect_;
-  std::size_t abandoned_ = 0;
+  std::vector<Defect> defects_;
+  std::vector<bool> turning_;      ///< by variable
   std::vector<double> times_s_;    ///< reused
   std::vector<double> positions_;  ///< reused
   std::vector<double> way_point_;  ///< reused

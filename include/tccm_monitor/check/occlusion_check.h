@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "tccm_monitor/check/z_buffer.h"
@@ -51,11 +52,15 @@ class OcclusionCheck {
   [[nodiscard]] const ZBuffer& picture() const { return buffer_; }
 
  private:
+  void drawFromNearToFar(const Vector3& viewpoint, const Body& body);
+  void countPixels();
+
   Config config_;
   std::vector<std::uint32_t> slot_of_shape_;  ///< index into result_.links
   ZBuffer buffer_;
   Result result_;
-  std::vector<double> hidden_;  ///< by slot
+  std::vector<double> hidden_;                           ///< by slot
+  std::vector<std::pair<double, std::uint32_t>> order_;  ///< distance of each shape, reused
 };
 
 }  // namespace tccm

@@ -51,7 +51,8 @@ class Permission {
   /// gravest first. The reference is valid until the next call.
   const Decision& decide(Time now, Findings& findings);
 
-  /// Lifts what holds until it is reset. @return why not, in one line; empty where it is lifted.
+  /// Lifts what holds until it is reset; of a robot in contact only a fault, and the collision
+  /// holds instead. @return why not, in one line; empty where it is lifted.
   [[nodiscard]] std::string reset();
   /// As at the start.
   void startAnew();
@@ -67,6 +68,7 @@ class Permission {
   std::optional<Time> last_stop_;  ///< the last check that was not clear, INIT apart
   int clear_checks_ = 0;           ///< since then
   Cause latched_;
+  Cause touching_;                   ///< as of the last check
   Reason lasting_ = Reason::kClear;  ///< what speaks against a reset, as of the last check
   std::optional<Time> last_;
   Decision decision_;

@@ -51,11 +51,15 @@ class WayAhead {
 
   /// The first contact on either way; where there is none, the first of the margins.
   /// @param latency_s of the verdict and of the joint states.
+  /// @param present contacts at the present pose; their primitives are not looked at.
   [[nodiscard]] std::optional<WayContact> firstContact(const CuboidMap& map, double latency_s,
-                                                       const std::vector<Pose>& T_fixed_roots);
+                                                       const std::vector<Pose>& T_fixed_roots,
+                                                       const std::vector<Contact>& present);
   /// Whether the robot moves out of the contacts at its present pose: as it is commanded, and
-  /// measured not to do the contrary; without a trajectory as it is measured.
+  /// measured not to do the contrary; without a trajectory as it is measured. Looked at is the way
+  /// of the next centimetres, however slow it is.
   [[nodiscard]] bool movesOut(const CuboidMap& map, const std::vector<Contact>& contacts,
+                              const JointSnapshot& joints, CommandedTrajectories& commanded,
                               const std::vector<Pose>& T_fixed_roots);
   /// Poses looked at by the last firstContact().
   [[nodiscard]] std::size_t poses() const { return poses_; }
@@ -77,6 +81,7 @@ class WayAhead {
   MovingOut moving_out_;
   JointPath measured_;
   JointPath commanded_;
+  JointPath escape_;  ///< reused
   bool follows_ = false;
   double delay_s_ = 0.0;
   std::vector<double> end_;

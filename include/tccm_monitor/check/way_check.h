@@ -35,7 +35,10 @@ class WayCheck {
   WayCheck(std::shared_ptr<const RobotModel> model, const LinkUse& collision_use,
            const CollisionCheck::Config& collision, double step_m, double margin_max_m);
 
-  void exempt(const ExemptRegions& regions) { collision_.exempt(regions); }
+  void exempt(const ExemptRegions& regions) {
+    collision_.exempt(regions);
+    is_exempt_ = !regions.empty();
+  }
   [[nodiscard]] const std::vector<std::size_t>& shapes() const { return used_.shapes; }
 
   /// How fast each of shapes() moves at most along the way, from poses a quarter of it apart, and
@@ -44,6 +47,8 @@ class WayCheck {
                   const std::vector<Pose>& T_fixed_roots, const Margin& margin);
   /// Speeds stay known.
   void clearMargins();
+  /// Shapes of these contacts are not looked at until the next call.
+  void skip(const std::vector<Contact>& contacts);
 
   /// The first contact from one instant of the path to another, both included.
   /// @param T_fixed_roots one for each of the model's roots; they stand still.
@@ -62,6 +67,12 @@ class WayCheck {
     std::vector<double> travel_from, travel_middle, travel_to, travel;
     std::vector<double> positions;
   };
+  /// What was found of a shape at one instant of the way.
+  struct Known {
+    double clearance_m = 0.0;              ///< at least
+    std::vector<double> travel;            ///< of the variables until then
+    std::optional<std::uint32_t> nearest;  ///< cuboid, then
+  };
   struct Way {
     const CuboidMap& map;
     const JointPath& path;
@@ -74,7 +85,14 @@ class WayCheck {
   [[nodiscard]] std::optional<Found> search(const Way& way, double from_s, double to_s,
                                             std::size_t depth);
   [[nodiscard]] std::optional<Found> at(const Way& way, double time_s);
-  [[nodiscard]] std::optional<Contact> touching(const CuboidMap& map, std::uint32_t shape) const;
+  [[nodiscard]] std::optional<Contact> touching(const Way& way, std::uint32_t shape,
+                                                const std::vector<double>& travel);
+  /// How far a shape is from everything at least, after that travel.
+  [[nodiscard]] double knownClearance(std::uint32_t shape, const std::vector<double>& travel);
+  /// Whether anything lies within that distance of a shape where it is now. Regions that are exempt
+  /// make no difference.
+  [[nodiscard]] bool comesNear(const Way& way, std::uint32_t shape,
+                               const std::vector<double>& travel, double metres);
   void place(const Way& way, double time_s, std::vector<double>& positions);
   /// How far any of a shape's points is from where it is in the middle, at most.
   [[nodiscard]] double reach(std::uint32_t shape, const std::vector<double>& from,
@@ -88,11 +106,15 @@ class WayCheck {
   Body grown_;  ///< and by the margin
   std::vector<double> margins_m_;
   std::vector<double> speeds_mps_;
+  std::vector<bool> skipped_;
   Kinematics kinematics_;
   CollisionCheck collision_;
   MotionBound bound_;
-  double reach_max_m_;              ///< half a step
-  std::vector<Stretch> stretches_;  ///< by depth
+  double reach_max_m_;               ///< half a step
+  bool is_exempt_ = false;           ///< any region
+  std::vector<Stretch> stretches_;   ///< by depth
+  std::vector<Known> known_;         ///< by shape
+  std::vector<double> since_known_;  ///< reused
   std::size_t poses_ = 0;
 };
 

@@ -55,24 +55,32 @@ class ZBuffer {
   [[nodiscard]] const Pixel& pixelAt(std::uint32_t index) const { return pixels_[index]; }
   /// Solid angle of a pixel, relative to one at the horizon.
   [[nodiscard]] double weightAt(std::uint32_t index) const {
-    return cosines_[index / static_cast<std::uint32_t>(columns_)];
+    return cosines_[static_cast<std::size_t>((index + 0.5) * rows_a_pixel_)];
   }
 
  private:
   struct Window {
     int row_begin, row_end, column_begin, column_end;  ///< columns as in Silhouette
   };
+  /// A ray at elevation 0.
+  struct LevelRay {
+    Vector3 direction;  ///< in the shape's frame
+    double along;       ///< [m] that the shape's centre is ahead
+  };
   /// Every pixel whose ray can meet the shape lies in it.
   [[nodiscard]] Window windowOf(const Shape& shape, const Pose& T_fixed_shape) const;
+  /// @return the farthest horizontal distance that it drew [m].
   template <typename Solid>
-  void drawIn(const Window& window, const Solid& solid, const Pose& T_fixed_shape,
-              std::uint32_t index);
+  float drawIn(const Window& window, const Solid& solid, const Pose& T_fixed_shape,
+               std::uint32_t index, float depth_min);
   [[nodiscard]] int rowOf(double elevation) const;
   /// @param level horizontal distance above 0, to a point of that height over the viewpoint.
   [[nodiscard]] int rowOfSlope(double level, double height) const;
   [[nodiscard]] int columnOf(double azimuth) const;
   /// @param direction of any length above 0.
   [[nodiscard]] int columnOfDirection(const Eigen::Vector2d& direction) const;
+  /// The same for a direction near a column.
+  [[nodiscard]] int columnFrom(int column, const Eigen::Vector2d& direction) const;
   /// Whether something that is drawn in its columns is further away than its near side.
   [[nodiscard]] bool reachesBehind(const Silhouette& silhouette) const;
   [[nodiscard]] double depthOf(const Silhouette& silhouette, int row) const;
@@ -80,13 +88,17 @@ class ZBuffer {
   double resolution_;
   int rows_;
   int columns_;
+  double rows_a_pixel_;
+  double narrow_sine_;  ///< of half the angle that a cuboid of few columns takes up
   Vector3 viewpoint_ = Vector3::Zero();
   std::vector<Pixel> pixels_;
-  std::vector<Vector3> directions_;
   std::vector<double> cosines_;  ///< of each row's elevation
+  std::vector<double> sines_;
   std::vector<double> tangents_;
   std::vector<double> row_borders_;              ///< tangent of each row's lower border
   std::vector<Eigen::Vector2d> column_borders_;  ///< direction of each column's right border
+  std::vector<Eigen::Vector2d> column_middles_;  ///< direction of each column's middle
+  std::vector<LevelRay> level_rays_;             ///< of each column, for the shape being drawn
   // The row and column that directions from equal parts of a circle's square begin in.
   std::vector<int> bin_rows_;
   std::vector<int> bin_columns_;
@@ -94,6 +106,7 @@ class ZBuffer {
   // Horizontal distance of the farthest that is drawn, in each column and in all [m]; 0 for
   // nothing.
   std::vector<float> column_farthest_;
+  std::vector<float> neighbours_farthest_;  ///< no less than of a column and some to either side
   float farthest_ = 0.0F;
   int lowest_row_ = 0;  ///< of all that is drawn
   int highest_row_ = -1;

@@ -1,0 +1,128 @@
+/// A check of a robot that may move takes no memory from the heap once it has run for a while, with
+/// and without a commanded trajectory: an allocation may take arbitrarily long.
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "support/table_scene.h"
+#include "tccm_monitor/check/checker.h"
+
+namespace {
+
+std::atomic<bool> is_counting{false};
+std::atomic<int> allocations{0};
+
+void* allocated(std::size_t size) {
+  if (is_counting) ++allocations;
+  void* memory = std::malloc(size > 0 ? size : 1);
+  if (!memory) throw std::bad_alloc();
+  return memory;
+}
+
+}  // namespace
+
+void* operator new(std::size_t size) { return allocated(size); }
+void* operator new[](std::size_t size) { return allocated(size); }
+void* operator new(std::size_t size, const std::nothrow_t& /*tag*/) noexcept {
+  if (is_counting) ++allocations;
+  return std::malloc(size > 0 ? size : 1);
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete[](void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t /*size*/) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::size_t /*size*/) noexcept { std::free(memory); }
+void operator delete(void* memory, const std::nothrow_t& /*tag*/) noexcept { std::free(memory); }
+
+namespace tccm {
+namespace {
+
+constexpr double kCycle = 0.025;   // [s]
+constexpr double kPeriod = 2.0;    // [s] of the arms' swinging
+constexpr double kSwing = 0.15;    // [rad]
+constexpr double kOutwards = 0.2;  // [rad]
+
+/// The dual-arm robot swings both arms over the table, apart and back; nothing touches.
+class CheckAllocatesNothingTest : public ::testing::Test {
+ protected:
+  CheckAllocatesNothingTest() {
+    for (const JointVariable& variable : model_->variables()) names_.push_back(variable.name);
+    checker_.setRootPose(0, Time(), Pose::Identity(), true);
+  }
+
+  [[nodiscard]] std::vector<double> positionsAt(double time_s) const {
+    std::vector<double> positions = test::armsAhead(*model_, -0.8);
+    const double roll = kOutwards + 0.5 * kSwing * (1.0 - std::cos(2.0 * M_PI * time_s / kPeriod));
+    positions[simulation::variableIndex(*model_, "left_shoulder_roll_joint")] = roll;
+    positions[simulation::variableIndex(*model_, "right_shoulder_roll_joint")] = -roll;
+    return positions;
+  }
+
+  /// Its points come thicker and thicker.
+  [[nodiscard]] JointTrajectory trajectory(double duration_s) const {
+    JointTrajectory trajectory;
+    trajectory.names = names_;
+    double time_s = 0.0;
+    for (double step = 0.2; time_s < duration_s; step = std::max(0.93 * step, 0.01)) {
+      trajectory.points.push_back({time_s, positionsAt(time_s), {}, {}});
+      time_s += step;
+    }
+    return trajectory;
+  }
+
+  /// How often a check allocates while the robot moves, after the first checks.
+  int allocationsOver(double duration_s) {
+    constexpr double kWarm = 0.5;  // [s]
+    allocations = 0;
+    for (double time_s = 0.0; time_s < duration_s; time_s += kCycle) {
+      const Time now(fromSeconds(start_s_ + time_s));
+      auto map = std::make_shared<CuboidMap>(map_);
+      map->stamp = now;
+      map->serial = ++serial_;
+      checker_.setMap(now, std::move(map));
+      checker_.addJoints(now, now, names_, positionsAt(time_s), {});
+      is_counting = time_s > kWarm;
+      const Verdict& verdict = checker_.check(now);
+      is_counting = false;
+      EXPECT_EQ(verdict.reason, Reason::kClear) << time_s << " s: " << verdict.detail;
+      follows_ = follows_ || verdict.follows_trajectory;
+    }
+    return allocations;
+  }
+
+  const std::shared_ptr<const RobotModel> model_ = simulation::dualArm();
+  std::vector<std::string> names_;
+  CuboidMap map_ = test::tableMap();
+  Checker checker_{model_, Checker::Config()};
+  double start_s_ = 100.0;
+  std::uint32_t serial_ = 0;
+  bool follows_ = false;
+};
+
+TEST_F(CheckAllocatesNothingTest, WhileTheRobotMoves) {
+  EXPECT_EQ(allocationsOver(3.0 * kPeriod), 0);
+  EXPECT_FALSE(follows_);
+}
+
+TEST_F(CheckAllocatesNothingTest, WhileItFollowsATrajectoryWhosePointsComeThickerAndThicker) {
+  checker_.addJoints(Time(fromSeconds(99.99)), Time(fromSeconds(99.99)), names_, positionsAt(0.0),
+                     {});
+  ASSERT_EQ(checker_.command(Time(fromSeconds(100.0)), trajectory(4.0 * kPeriod)), "");
+  EXPECT_EQ(allocationsOver(3.0 * kPeriod), 0);
+  EXPECT_TRUE(follows_);
+}
+
+/// What hides a part of an arm, and comes into view, is listed.
+TEST_F(CheckAllocatesNothingTest, WhileMoreAndMoreCuboidsHideAPartOfTheArms) {
+  test::addBlock(map_, {Vector3(0.36, 0.40, 1.12), Vector3(0.40, 0.44, 1.14)}, 3);
+  EXPECT_EQ(allocationsOver(3.0 * kPeriod), 0);
+}
+
+}  // namespace
+}  // namespace tccm

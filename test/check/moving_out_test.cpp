@@ -1,0 +1,401 @@
+#include "tccm_monitor/check/moving_out.h"
+
+#include <gtest/gtest.h>
+
+#include "simulation/robot/dual_arm.h"
+#include "support/checker_fixture.h"
+
+namespace tccm {
+namespace {
+
+using test::addBlock;
+using test::axisOf;
+using test::jointOf;
+using test::kScanPeriod;
+using test::kStart;
+using test::limitOf;
+using test::linkOf;
+
+const std::vector<Pose> kAtOrigin{Pose::Identity()};
+
+/// The slider robot: the hand's ball of 50 mm, padded by 40 mm, is at (slide, 0, 0.5), the other's
+/// at (glide, 0.5, 0.5). A wall begins at x = 0.8 m: the hand touches it from 0.71 m on, and its
+/// middle is in it from 0.8 m on.
+class MovingOutTest : public ::testing::Test {
+ protected:
+  MovingOutTest() {
+    config_.check_occlusion = false;
+    addWall(0.8, 0.0);
+  }
+
+  void addWall(double x, double y) {
+    addBlock(map_, {Vector3(x, y - 0.2, 0.3), Vector3(x + 0.1, y + 0.2, 0.7)});
+  }
+  [[nodiscard]] std::vector<double> at(double slide, double glide) const {
+    std::vector<double> positions(2);
+    positions[simulation::variableIndex(*model_, "slide")] = slide;
+    positions[simulation::variableIndex(*model_, "glide")] = glide;
+    return positions;
+  }
+  /// On a way through such places of the hand and the other, evenly over 0.5 s.
+  struct Place {
+    double slide, glide = 0.0;
+  };
+  bool opens(const std::vector<Place>& places, bool must_open = true, double until_s = 0.5) {
+    JointPath way(2);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const double time_s =
+          places.size() > 1 ? 0.5 * static_cast<double>(i) / static_cast<double>(places.size() - 1)
+                            : 0.0;
+      way.add(time_s, at(places[i].slide, places[i].glide));
+    }
+    PoseCheck pose(model_, config_);
+    pose.exempt(exempt_);
+    PoseFindings findings;
+    pose.check(map_, at(places.front().slide, places.front().glide), kAtOrigin, findings);
+    contacts_ = findings.contacts.size();
+    MovingOut moving_out(model_, config_);
+    moving_out.exempt(exempt_);
+    return moving_out.opens(map_, findings.contacts, way, until_s, kAtOrigin, must_open);
+  }
+
+  std::shared_ptr<const RobotModel> model_ = test::sliderModel();
+  PoseCheck::Config config_;
+  CuboidMap map_ = test::emptyMap();
+  ExemptRegions exempt_;
+  std::size_t contacts_ = 0;  ///< at the begin of the last way
+};
+
+TEST_F(MovingOutTest, AwayFromTheWallOpensAndIntoItCloses) {
+  EXPECT_TRUE(opens({{0.75}, {0.65}}));
+  EXPECT_GT(contacts_, 0U);
+  EXPECT_TRUE(opens({{0.75}, {0.65}}, false));
+  EXPECT_FALSE(opens({{0.75}, {0.79}}));
+  EXPECT_FALSE(opens({{0.75}, {0.79}}, false));
+}
+
+TEST_F(MovingOutTest, OutOfTheFarSideOfAWallIsOutAsWell) {
+  EXPECT_TRUE(opens({{0.95}, {1.0}}));
+  EXPECT_FALSE(opens({{0.95}, {0.91}}));
+}
+
+TEST_F(MovingOutTest, ARobotAtRestDoesNotOpenButDoesNotCloseEither) {
+  EXPECT_FALSE(opens({{0.75}, {0.75}}));
+  EXPECT_TRUE(opens({{0.75}, {0.75}}, false));
+  EXPECT_FALSE(opens({{0.75}})) << "a way of one point";
+}
+
+TEST_F(MovingOutTest, LessThanAFewMillimetresOutIsNoMotion) {
+  EXPECT_FALSE(opens({{0.75}, {0.748}}));
+  EXPECT_TRUE(opens({{0.75}, {0.746}}));
+}
+
+TEST_F(MovingOutTest, NoiseOfLessThanTwoMillimetresDoesNotClose) {
+  EXPECT_TRUE(opens({{0.75}, {0.7515}}, false));
+  EXPECT_FALSE(opens({{0.75}, {0.7530}}, false));
+  EXPECT_TRUE(opens({{0.75}, {0.7510}, {0.74}})) << "a little in before it goes out";
+  EXPECT_FALSE(opens({{0.75}, {0.7560}, {0.74}})) << "too far in before it goes out";
+}
+
+TEST_F(MovingOutTest, OutAndInAgainClosesAndDoesNotOpen) {
+  EXPECT_FALSE(opens({{0.75}, {0.73}, {0.75}}));
+  EXPECT_FALSE(opens({{0.75}, {0.73}, {0.74}}, false)) << "less than it was on the way";
+  EXPECT_TRUE(opens({{0.75}, {0.73}, {0.75}}, true, 0.25)) << "as far as is looked at";
+}
+
+TEST_F(MovingOutTest, WithoutContactsThereIsNothingToOpen) {
+  EXPECT_TRUE(opens({{0.5}, {0.6}}));
+  EXPECT_EQ(contacts_, 0U);
+}
+
+/// The hand slides along a wall that lies 60 mm beside its middle: the cuboids ahead come nearer.
+TEST_F(MovingOutTest, AlongAWallDoesNotOpen) {
+  map_ = test::emptyMap();
+  addBlock(map_, {Vector3(0.0, 0.06, 0.3), Vector3(1.4, 0.16, 0.7)});
+  EXPECT_FALSE(opens({{0.7}, {0.9}}));
+  EXPECT_FALSE(opens({{0.5}, {1.0}})) << "however fast";
+  EXPECT_FALSE(opens({{0.7}, {0.9}}, false));
+  EXPECT_GT(contacts_, 0U);
+}
+
+TEST_F(MovingOutTest, ACoreInsideACuboidKnowsNoWayOut) {
+  EXPECT_FALSE(opens({{0.85}, {0.65}}));
+  EXPECT_FALSE(opens({{0.801}, {0.65}}));
+  EXPECT_FALSE(opens({{0.85}, {0.85}}, false));
+  EXPECT_TRUE(opens({{0.79}, {0.65}}));
+}
+
+TEST_F(MovingOutTest, OutOfOneObstacleAndIntoAnotherCloses) {
+  addWall(0.52, 0.0);  // up to 0.62 m: the hand touches it up to 0.71 m
+  EXPECT_FALSE(opens({{0.75}, {0.66}})) << "nearer to that one than it was to the first";
+  EXPECT_FALSE(opens({{0.75}, {0.66}}, false));
+  EXPECT_TRUE(opens({{0.75}, {0.72}})) << "before it touches";
+  map_ = test::emptyMap();
+  addWall(0.8, 0.0);
+  addWall(0.58, 0.0);  // up to 0.68 m
+  EXPECT_FALSE(opens({{0.75}, {0.72}})) << "it touches both from the begin";
+  EXPECT_FALSE(opens({{0.73}, {0.76}}));
+}
+
+TEST_F(MovingOutTest, ALinkThatDidNotTouchMustNotBeginTo) {
+  addWall(0.4, 0.5);
+  EXPECT_TRUE(opens({{0.75, 0.0}, {0.65, 0.25}}));
+  EXPECT_FALSE(opens({{0.75, 0.0}, {0.65, 0.35}}));
+  EXPECT_FALSE(opens({{0.75, 0.0}, {0.65, 0.35}}, false));
+  EXPECT_FALSE(opens({{0.75, 0.0}, {0.65, 0.62}})) << "through it and out again";
+}
+
+TEST_F(MovingOutTest, OfTwoLinksInContactBothHaveToComeOut) {
+  addWall(0.8, 0.5);
+  EXPECT_TRUE(opens({{0.75, 0.75}, {0.65, 0.65}}));
+  EXPECT_FALSE(opens({{0.75, 0.75}, {0.65, 0.75}}));
+  EXPECT_TRUE(opens({{0.75, 0.75}, {0.65, 0.75}}, false));
+  EXPECT_FALSE(opens({{0.75, 0.75}, {0.65, 0.79}}, false));
+}
+
+TEST_F(MovingOutTest, ANewObstacleMustNotComeNearerThanTheOldOneWas) {
+  addWall(0.52, 0.0);  // up to 0.62 m
+  EXPECT_TRUE(opens({{0.75}, {0.68}})) << "from 50 mm before the one to 60 mm before the other";
+  EXPECT_FALSE(opens({{0.73}, {0.68}})) << "from 70 mm";
+  EXPECT_FALSE(opens({{0.75}, {0.635}, {0.68}}));
+}
+
+TEST_F(MovingOutTest, OnlyThePaddingMayReachANewObstacle) {
+  addWall(0.52, 0.0);
+  EXPECT_TRUE(opens({{0.78}, {0.672}})) << "from 20 mm before the one to 52 mm before the other";
+  EXPECT_FALSE(opens({{0.78}, {0.668}})) << "to 48 mm, where the ball itself touches";
+}
+
+/// A column of 20 mm, which the hand's middle is 10 mm before.
+TEST_F(MovingOutTest, ThroughAnObstacleIsNoWayOutHoweverFast) {
+  map_ = test::emptyMap();
+  addBlock(map_, {Vector3(0.8, -0.2, 0.3), Vector3(0.82, 0.2, 0.7)});
+  for (const double speed : {0.1, 0.3, 1.0, 2.0, 5.0, 50.0}) {
+    EXPECT_FALSE(opens({{0.79}, {0.79 + 0.5 * speed}}, false)) << speed << " m/s";
+    EXPECT_FALSE(opens({{0.7985}, {0.7985 + 0.5 * speed}})) << speed << " m/s";
+    EXPECT_FALSE(opens({{0.75}, {0.75}, {0.75}, {0.75}, {0.75 + 0.1 * speed}}, false))
+        << speed << " m/s after a pause";
+  }
+  EXPECT_TRUE(opens({{0.79}, {0.29}})) << "the other way";
+}
+
+TEST_F(MovingOutTest, ALinkThatPassesThroughAnObstacleBetweenTwoLooksIsSeen) {
+  config_.collision_use.expansion.padding_m = 0.0;
+  map_ = test::emptyMap();
+  addBlock(map_, {Vector3(0.8, -0.2, 0.3), Vector3(0.82, 0.2, 0.7)});
+  addBlock(map_, {Vector3(0.3, 0.3, 0.3), Vector3(0.32, 0.7, 0.7)});
+  // The other is 100 mm thick and goes at 2 m/s.
+  EXPECT_TRUE(opens({{0.78, -0.8}, {0.7, 0.2}}));
+  for (double from = -0.4; from < 0.0; from += 0.02) {
+    EXPECT_FALSE(opens({{0.78, from}, {0.7, from + 1.5}})) << from;
+  }
+}
+
+TEST_F(MovingOutTest, AJumpIsNoWayOut) {
+  JointPath way(2);
+  way.add(0.0, at(0.75, 0.0));
+  way.add(0.1, at(0.75, 0.0));
+  way.add(0.1, at(0.60, 0.0));
+  way.add(0.5, at(0.60, 0.0));
+  PoseCheck pose(model_, config_);
+  PoseFindings findings;
+  pose.check(map_, at(0.75, 0.0), kAtOrigin, findings);
+  EXPECT_FALSE(
+      MovingOut(model_, config_).opens(map_, findings.contacts, way, 0.5, kAtOrigin, true));
+}
+
+TEST_F(MovingOutTest, WhereNotAllContactsAreKnownNothingIsSaid) {
+  ASSERT_TRUE(opens({{0.75}, {0.65}}));
+  config_.collision.contacts_max = static_cast<int>(contacts_) + 1;
+  EXPECT_TRUE(opens({{0.75}, {0.65}}));
+  config_.collision.contacts_max = static_cast<int>(contacts_);
+  EXPECT_FALSE(opens({{0.75}, {0.65}}));
+}
+
+/// The hand leaves a narrow post for the neighbourhood of a wide one, while the other goes into a
+/// wall: where only a few contacts are listed, all of them are the hand's.
+TEST_F(MovingOutTest, ContactsThatAreTooManyOnTheWayAreNotTakenForNone) {
+  map_ = test::emptyMap();
+  addBlock(map_, {Vector3(0.8, -0.02, 0.3), Vector3(0.82, 0.02, 0.7)});
+  addWall(0.52, 0.0);
+  addWall(0.8, 0.5);
+  const std::vector<Place> alone{{0.78, 0.0}, {0.68, 0.0}}, both{{0.78, 0.0}, {0.68, 0.75}};
+  EXPECT_TRUE(opens(alone));
+  EXPECT_FALSE(opens(both));
+  config_.collision.contacts_max = static_cast<int>(contacts_) + 1;
+  EXPECT_FALSE(opens(both));
+}
+
+TEST_F(MovingOutTest, WhatALinkMayTouchIsNoContactOnTheWay) {
+  addWall(0.4, 0.5);
+  ASSERT_FALSE(opens({{0.75, 0.0}, {0.65, 0.35}}));
+  exempt_.resize(2);
+  const std::size_t other = model_->linkOf(0) == "other" ? 0 : 1;
+  exempt_[other] = {{Box{{0.1, 0.3, 0.3}}, test::placedAt(0.45, 0.5, 0.5)}};
+  EXPECT_TRUE(opens({{0.75, 0.0}, {0.65, 0.35}}));
+}
+
+TEST_F(MovingOutTest, TellsWhenALinkMayHaveMovedThatFar) {
+  JointPath way(2);
+  way.add(0.0, at(0.7, 0.0));
+  way.add(0.5, at(0.5, 0.1));  // 0.4 and 0.2 m/s
+  way.add(1.0, at(0.7, 0.2));
+  MovingOut moving_out(model_, config_);
+  EXPECT_NEAR(moving_out.timeOf(way, 0.1), 0.25, 1e-4);
+  EXPECT_NEAR(moving_out.timeOf(way, 0.3), 0.75, 1e-4) << "there and back";
+  EXPECT_EQ(moving_out.timeOf(way, 0.5), 1.0) << "never";
+}
+
+/// A long capsule whose end touches: turned away from the wall it opens, the other way it closes.
+TEST_F(MovingOutTest, ACapsuleIsJudgedByItsAxis) {
+  RobotModel::Config robot;
+  robot.capsule_links = {"arm"};
+  const auto model = test::modelOf(
+      test::robotOf(linkOf("base") +
+                    linkOf("arm",
+                           "<collision><origin xyz=\"0.2 0 0\" rpy=\"0 1.5707963 0\"/><geometry>"
+                           "<cylinder radius=\"0.03\" length=\"0.4\"/></geometry></collision>") +
+                    jointOf("turn", "revolute", "base", "arm",
+                            "<origin xyz=\"0.3 0 0.5\"/>" + axisOf("0 0 1") + limitOf("-3", "3"))),
+      robot);
+  map_ = test::emptyMap();
+  addBlock(map_, {Vector3(0.0, 0.06, 0.3), Vector3(1.4, 0.16, 0.7)});
+  const auto turns = [&](double to) {
+    JointPath way(1);
+    way.add(0.0, {0.0});
+    way.add(0.5, {to});
+    PoseCheck pose(model, config_);
+    PoseFindings findings;
+    pose.check(map_, {0.0}, kAtOrigin, findings);
+    EXPECT_TRUE(findings.collision);
+    MovingOut moving_out(model, config_);
+    return moving_out.opens(map_, findings.contacts, way, 0.5, kAtOrigin, false);
+  };
+  EXPECT_TRUE(turns(-0.1));
+  EXPECT_FALSE(turns(0.1));
+}
+
+/// What the checker makes of it: the hand touches the post from 0.71 m on.
+class MovingOutVerdictTest : public test::CheckerFixture {
+ protected:
+  MovingOutVerdictTest() {
+    config_.pose.check_occlusion = false;
+    config_.permission.speed_scale_rise_per_s = 100.0;
+    config_.permission.hold_until_reset = true;
+    remake();
+    run(kStart - 1.0, kStart - kScanPeriod, clear_, 0.75);  // the post comes to the hand
+  }
+  /// The slide is to go from where it is to a place within 0.4 s.
+  std::string commandTo(double now, double from, double to) {
+    return checker_->command(test::at(now),
+                             {{"slide"}, {{0.0, {from}, {}, {}}, {0.4, {to}, {}, {}}}});
+  }
+  static void expectStop(const Verdict& verdict) {
+    EXPECT_EQ(verdict.level, Level::kStop);
+    EXPECT_EQ(verdict.reason, Reason::kCollision);
+    EXPECT_TRUE(verdict.stop);
+    EXPECT_EQ(verdict.speed_scale, 0.0);
+  }
+  void expectMovingOut(const Verdict& verdict) const {
+    EXPECT_EQ(verdict.level, Level::kSlow);
+    EXPECT_EQ(verdict.reason, Reason::kMovingOut);
+    EXPECT_FALSE(verdict.stop);
+    EXPECT_EQ(verdict.speed_scale, config_.way.moving_out_scale);
+    EXPECT_TRUE(verdict.collision) << "what touches is told all the same";
+    EXPECT_TRUE(verdict.now.collision);
+    EXPECT_EQ(verdict.link, "hand");
+  }
+};
+
+TEST_F(MovingOutVerdictTest, AtRestInContactOrGoingInIsACollision) {
+  expectStop(feedAndCheck(kStart, post_, 0.75, 0.0));
+  expectStop(feedAndCheck(kStart + 0.01, post_, 0.75, 0.2));
+}
+
+TEST_F(MovingOutVerdictTest, GoingOutIsPermittedSlowly) {
+  expectMovingOut(feedAndCheck(kStart, post_, 0.75, -0.2));
+}
+
+TEST_F(MovingOutVerdictTest, AfterAStopItMayGoOutAndThenAwaitsAReset) {
+  expectStop(feedAndCheck(kStart, post_, 0.75, 0.2));
+  EXPECT_NE(checker_->reset(), "") << "it still touches";
+  double slide = 0.75, now = kStart + kScanPeriod;
+  for (; slide > 0.715; slide -= 0.2 * kScanPeriod, now += kScanPeriod) {
+    const Verdict& verdict = feedAndCheck(now, post_, slide, -0.2);
+    EXPECT_EQ(verdict.reason, Reason::kMovingOut) << slide;
+    EXPECT_FALSE(verdict.stop);
+    EXPECT_EQ(verdict.latched, Reason::kCollision);
+  }
+  EXPECT_NE(checker_->reset(), "") << "it still touches";
+  for (double until = now + 3.0; now < until; now += kScanPeriod) {
+    const Verdict& verdict = feedAndCheck(now, post_, 0.6);
+    EXPECT_EQ(verdict.reason, Reason::kAwaitingReset);
+    EXPECT_TRUE(verdict.stop);
+  }
+  EXPECT_EQ(checker_->reset(), "");
+  const Verdict& released = feedAndCheck(now, post_, 0.6);
+  EXPECT_EQ(released.reason, Reason::kClear);
+  EXPECT_EQ(released.latched, Reason::kClear);
+}
+
+TEST_F(MovingOutVerdictTest, WithoutAStopBeforeGoingOutAwaitsAResetAsWell) {
+  expectMovingOut(feedAndCheck(kStart, post_, 0.75, -0.2));
+  EXPECT_EQ(run(kStart + kScanPeriod, kStart + 2.0, post_, 0.6).reason, Reason::kAwaitingReset);
+  EXPECT_EQ(checker_->reset(), "");
+  EXPECT_EQ(feedAndCheck(kStart + 2.1, post_, 0.6).reason, Reason::kClear);
+}
+
+TEST_F(MovingOutVerdictTest, GoingBackInOnTheWayOutStopsAgain) {
+  expectMovingOut(feedAndCheck(kStart, post_, 0.75, -0.2));
+  expectStop(feedAndCheck(kStart + 0.01, post_, 0.748, 0.2));
+  expectStop(feedAndCheck(kStart + 0.02, post_, 0.750, 0.0));
+}
+
+TEST_F(MovingOutVerdictTest, AtRestACommandThatLeadsOutIsPermitted) {
+  feedAndCheck(kStart, post_, 0.75);
+  EXPECT_EQ(commandTo(kStart, 0.75, 0.55), "");
+  const Verdict& verdict = feedAndCheck(kStart + 0.01, post_, 0.75);
+  expectMovingOut(verdict);
+  EXPECT_TRUE(verdict.follows_trajectory);
+}
+
+TEST_F(MovingOutVerdictTest, AtRestACommandThatLeadsInIsACollision) {
+  feedAndCheck(kStart, post_, 0.75);
+  EXPECT_EQ(commandTo(kStart, 0.75, 0.79), "");
+  const Verdict& verdict = feedAndCheck(kStart + 0.01, post_, 0.75);
+  expectStop(verdict);
+  EXPECT_TRUE(verdict.follows_trajectory);
+}
+
+TEST_F(MovingOutVerdictTest, ACommandThatLeadsOutDoesNotExcuseARobotThatGoesIn) {
+  feedAndCheck(kStart, post_, 0.75);
+  EXPECT_EQ(commandTo(kStart, 0.75, 0.55), "");
+  expectStop(feedAndCheck(kStart + 0.01, post_, 0.752, 0.2));
+}
+
+TEST_F(MovingOutVerdictTest, ARobotThatGoesOutIsStoppedWhereItsCommandLeadsIn) {
+  feedAndCheck(kStart, post_, 0.75);
+  EXPECT_EQ(commandTo(kStart, 0.75, 0.79), "");
+  expectStop(feedAndCheck(kStart + 0.01, post_, 0.75, -0.2));
+}
+
+TEST_F(MovingOutVerdictTest, AWholeCommandLeadsOutUntilTheRobotIsFree) {
+  feedAndCheck(kStart, post_, 0.75);
+  ASSERT_EQ(commandTo(kStart, 0.75, 0.55), "");
+  for (double t = kScanPeriod; t < 0.4; t += kScanPeriod) {
+    const double slide = 0.75 - 0.5 * t;
+    const Verdict& verdict = feedAndCheck(kStart + t, post_, slide, -0.5);
+    EXPECT_EQ(verdict.reason, slide > 0.7101 ? Reason::kMovingOut : Reason::kAwaitingReset)
+        << slide;
+  }
+}
+
+TEST_F(MovingOutVerdictTest, AFaultIsNotMovedOutOf) {
+  feedAndCheck(kStart, post_, 0.75, -0.2);
+  const Verdict& verdict = check(kStart + 1.0);
+  EXPECT_EQ(verdict.level, Level::kFault);
+  EXPECT_TRUE(verdict.stop);
+}
+
+}  // namespace
+}  // namespace tccm

@@ -1,0 +1,564 @@
+#include "tccm_monitor/check/way_check.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulation/robot/dual_arm.h"
+#include "support/checker_fixture.h"
+#include "tccm_monitor/check/pose_check.h"
+#include "tccm_monitor/config_error.h"
+#include "tccm_monitor/geometry/overlap.h"
+
+namespace tccm {
+namespace {
+
+using test::addBlock;
+using test::axisOf;
+using test::ballLink;
+using test::collisionOf;
+using test::jointOf;
+using test::kStart;
+using test::limitOf;
+using test::linkOf;
+using test::Random;
+using test::robotOf;
+
+constexpr double kRounding = 1e-9;
+constexpr double kPadding = 0.04;
+constexpr double kStep = 0.02;
+
+const std::vector<Pose> kAtOrigin{Pose::Identity()};
+
+WayCheck wayCheck(const std::shared_ptr<const RobotModel>& model, double padding_m = kPadding,
+                  double step_m = kStep) {
+  CollisionCheck::Config collision;
+  collision.support_points = 1;
+  return {model, LinkUse({1.0, padding_m}), collision, step_m, 0.1};
+}
+
+/// The slider robot: padded, its balls reach 90 mm around (slide, 0, 0.5) and (glide, 0.5, 0.5).
+class WayCheckTest : public ::testing::Test {
+ protected:
+  /// A way through such places at such times.
+  struct Place {
+    double time_s, slide, glide;
+  };
+  [[nodiscard]] JointPath way(const std::vector<Place>& places) const {
+    JointPath path(2);
+    for (const Place& place : places) {
+      std::vector<double> positions(2);
+      positions[simulation::variableIndex(*model_, "slide")] = place.slide;
+      positions[simulation::variableIndex(*model_, "glide")] = place.glide;
+      path.add(place.time_s, positions);
+    }
+    return path;
+  }
+  std::optional<WayContact> first(const JointPath& path) {
+    return check_.firstContact(map_, path, path.begin(), path.end(), kAtOrigin);
+  }
+  /// A wall across the way of one of the balls.
+  void addWall(double x, double y) {
+    addBlock(map_, {Vector3(x, y - 0.2, 0.3), Vector3(x + 0.1, y + 0.2, 0.7)});
+  }
+  [[nodiscard]] std::string link(const WayContact& contact) const {
+    return model_->linkOf(contact.contact.shape);
+  }
+
+  std::shared_ptr<const RobotModel> model_ = test::sliderModel();
+  CuboidMap map_ = test::emptyMap();
+  WayCheck check_ = wayCheck(model_);
+};
+
+TEST_F(WayCheckTest, AWayThatTouchesNothingIsFree) {
+  addWall(0.8, 0.0);
+  EXPECT_FALSE(first(way({{0.0, 0.0, 0.0}, {1.0, 0.70, 1.2}})));
+  EXPECT_FALSE(first(way({{0.0, 0.0, 0.0}}))) << "one point";
+}
+
+/// The wall's face is at 0.5 m: the ball touches it from 0.41 m on.
+TEST_F(WayCheckTest, TheFirstContactHasItsTimeDistanceShapeAndCuboid) {
+  addWall(0.5, 0.0);
+  const auto found = first(way({{2.0, 0.0, 0.0}, {3.0, 0.8, 0.0}}));
+  ASSERT_TRUE(found);
+  EXPECT_GE(found->time_s, 0.41 / 0.8 - kRounding);
+  EXPECT_LE(found->time_s, 0.41 / 0.8 + 0.5 * kStep / 0.8 + kRounding) << "from the way's start on";
+  EXPECT_EQ(link(*found), "hand");
+  const UprightBox cuboid = map_.box(map_.cuboids[found->contact.cuboid]);
+  EXPECT_NEAR(cuboid.min().x(), 0.5, kRounding);
+  EXPECT_GE(found->distance_m, 0.41 - kRounding);
+  EXPECT_LE(found->distance_m, 0.43) << "of that cuboid, which may lie beside the way";
+  EXPECT_FALSE(found->by_margin);
+}
+
+TEST_F(WayCheckTest, OnlyTheStretchAskedForIsLookedAt) {
+  addWall(0.5, 0.0);
+  const JointPath path = way({{0.0, 0.0, 0.0}, {1.0, 1.0, 0.0}});
+  EXPECT_FALSE(check_.firstContact(map_, path, 0.0, 0.40, kAtOrigin));
+  EXPECT_FALSE(check_.firstContact(map_, path, 0.70, 1.0, kAtOrigin)) << "beyond it";
+  const auto found = check_.firstContact(map_, path, 0.3, 0.6, kAtOrigin);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->time_s, 0.41 - 0.3, 0.5 * kStep + kRounding);
+  EXPECT_NEAR(found->distance_m, 0.41 - 0.3, 0.02) << "from where the stretch begins";
+}
+
+TEST_F(WayCheckTest, BothEndsBelongToIt) {
+  addWall(0.5, 0.0);
+  const auto at_begin = first(way({{0.0, 0.411, 0.0}, {1.0, 0.0, 0.0}}));
+  ASSERT_TRUE(at_begin);
+  EXPECT_EQ(at_begin->time_s, 0.0);
+  EXPECT_EQ(at_begin->distance_m, 0.0);
+  const auto at_end = first(way({{0.0, 0.0, 0.0}, {1.0, 0.4101, 0.0}}));
+  ASSERT_TRUE(at_end);
+  EXPECT_NEAR(at_end->time_s, 1.0, 0.001);
+  EXPECT_TRUE(first(way({{0.0, 0.45, 0.0}}))) << "a way of one point is its begin";
+}
+
+TEST_F(WayCheckTest, ABeginThatIsKnownToBeFreeIsNotLookedAt) {
+  addWall(0.5, 0.0);
+  const JointPath path = way({{0.0, 0.411, 0.0}, {1.0, 0.0, 0.0}});
+  EXPECT_FALSE(check_.firstContact(map_, path, 0.0, 1.0, kAtOrigin, false));
+  EXPECT_FALSE(check_.firstContact(map_, path, 0.0, 0.0, kAtOrigin, false));
+  EXPECT_TRUE(check_.firstContact(map_, path, 0.0, 0.0, kAtOrigin, true));
+}
+
+TEST_F(WayCheckTest, OfTwoObstaclesTheFirstOnTheWayIsFound) {
+  addWall(0.5, 0.0);
+  addWall(0.9, 0.0);
+  const auto ahead = first(way({{0.0, 0.0, 0.0}, {1.0, 1.0, 0.0}}));
+  ASSERT_TRUE(ahead);
+  EXPECT_NEAR(ahead->time_s, 0.41, 0.5 * kStep + kRounding);
+  const auto back = first(way({{0.0, 1.3, 0.0}, {1.0, 0.3, 0.0}}));
+  ASSERT_TRUE(back);
+  EXPECT_NEAR(back->time_s, 1.3 - 1.09, 0.5 * kStep + kRounding) << "the wall ends at 1.0 m";
+}
+
+TEST_F(WayCheckTest, OfTwoLinksTheOneThatTouchesFirstIsNamed) {
+  addWall(0.5, 0.0);
+  addWall(0.7, 0.5);
+  const auto hand_first = first(way({{0.0, 0.0, 0.0}, {1.0, 1.0, 1.0}}));
+  ASSERT_TRUE(hand_first);
+  EXPECT_EQ(link(*hand_first), "hand");
+  const auto other_first = first(way({{0.0, 0.0, 0.3}, {1.0, 1.0, 1.3}}));
+  ASSERT_TRUE(other_first);
+  EXPECT_EQ(link(*other_first), "other");
+  EXPECT_NEAR(other_first->time_s, 0.61 - 0.3, 0.5 * kStep + kRounding);
+}
+
+TEST_F(WayCheckTest, AWayThereAndBackIsFollowedToItsTurn) {
+  addWall(0.5, 0.0);
+  // It ends where it begins, and is in the wall from 0.41 to 0.44 m only.
+  for (const double turn_s : {0.2, 0.5, 0.9}) {
+    const auto found = first(way({{0.0, 0.0, 0.0}, {turn_s, 0.44, 0.0}, {1.0, 0.0, 0.0}}));
+    ASSERT_TRUE(found) << turn_s;
+    EXPECT_NEAR(found->time_s, turn_s, 0.07 * turn_s + 0.01) << "on the way there";
+    EXPECT_LE(found->time_s, turn_s + kRounding);
+  }
+}
+
+TEST_F(WayCheckTest, WhatAJumpPassesCountsAsTouched) {
+  addWall(0.5, 0.0);
+  EXPECT_TRUE(first(way({{0.0, 0.0, 0.0}, {0.5, 0.0, 0.0}, {0.5, 0.9, 0.0}, {1.0, 0.9, 0.0}})));
+  EXPECT_FALSE(first(way({{0.0, 0.0, 0.0}, {0.5, 0.0, 0.0}, {0.5, 0.0, 0.1}, {1.0, 0.0, 0.1}})))
+      << "a small one far away";
+}
+
+TEST_F(WayCheckTest, TheRootsPoseMovesTheWholeRobot) {
+  addWall(0.5, 0.0);
+  const JointPath path = way({{0.0, 0.0, 0.0}, {1.0, 0.2, 0.0}});
+  EXPECT_FALSE(first(path));
+  EXPECT_TRUE(check_.firstContact(map_, path, 0.0, 1.0, {test::placedAt(0.3, 0.0, 0.0)}));
+}
+
+TEST_F(WayCheckTest, ACuboidWithoutSupportIsNoObstacle) {
+  addBlock(map_, {Vector3(0.5, 0.0, 0.49), Vector3(0.52, 0.02, 0.51)}, 1);
+  const JointPath path = way({{0.0, 0.0, 0.0}, {1.0, 0.9, 0.0}});
+  EXPECT_TRUE(first(path));
+  WayCheck supported(model_, LinkUse({1.0, kPadding}), {}, kStep, 0.1);
+  EXPECT_FALSE(supported.firstContact(map_, path, 0.0, 1.0, kAtOrigin));
+}
+
+/// The region takes in the whole wall of the hand.
+PlacedShape wallRegion(double half_width) {
+  return {Box{{0.1, half_width, 0.3}}, test::placedAt(0.55, 0.0, 0.5)};
+}
+
+TEST_F(WayCheckTest, WhatLiesInARegionThatALinkMayTouchIsNoContactOfThatLink) {
+  addWall(0.5, 0.0);
+  const JointPath path = way({{0.0, 0.0, 0.0}, {1.0, 0.9, 0.0}});
+  ExemptRegions regions(2);
+  const auto index = static_cast<std::size_t>(model_->linkOf(check_.shapes()[0]) == "hand" ? 0 : 1);
+  regions[index] = {wallRegion(0.21)};
+  check_.exempt(regions);
+  EXPECT_FALSE(first(path));
+  regions[index] = {wallRegion(0.1)};
+  check_.exempt(regions);
+  EXPECT_TRUE(first(path)) << "part of the wall is outside, and the ball is as wide as it";
+  regions[index] = {};
+  regions[1 - index] = {wallRegion(0.21)};
+  check_.exempt(regions);
+  EXPECT_TRUE(first(path)) << "it is the other link that may touch it";
+  check_.exempt({});
+  EXPECT_TRUE(first(path));
+}
+
+/// The wall begins 120 or 140 mm beside the hand's middle, which has a padded radius of 90 mm.
+TEST_F(WayCheckTest, AMarginForItsSpeedMakesALinkLarger) {
+  const JointPath path = way({{0.0, 0.0, 0.0}, {1.0, 0.4, 0.15}});
+  const auto touches = [&](double y, WayCheck::Margin margin) {
+    CuboidMap map = test::emptyMap();
+    addBlock(map, {Vector3(0.0, y, 0.3), Vector3(1.0, y + 0.1, 0.7)});
+    check_.setMargins(path, 0.0, 1.0, kAtOrigin, margin);
+    return check_.firstContact(map, path, 0.0, 1.0, kAtOrigin).has_value();
+  };
+  EXPECT_TRUE(touches(0.12, {0.1, 0.1})) << "0.4 m/s for 0.1 s are 40 mm";
+  EXPECT_FALSE(touches(0.14, {0.1, 0.1}));
+  EXPECT_FALSE(touches(0.12, {0.07, 0.1})) << "28 mm";
+  EXPECT_TRUE(touches(0.14, {10.0, 0.06}));
+  EXPECT_FALSE(touches(0.16, {10.0, 0.06})) << "no more than the most";
+  EXPECT_FALSE(touches(0.62, {0.1, 0.1})) << "the other goes at 0.15 m/s";
+  EXPECT_TRUE(touches(0.60, {0.1, 0.1}));
+  EXPECT_FALSE(touches(0.12, {0.0, 0.1}));
+}
+
+TEST_F(WayCheckTest, MarginsLastUntilTheyAreClearedAndSpeedsBeyond) {
+  const JointPath path = way({{0.0, 0.0, 0.0}, {1.0, 0.4, 0.0}});
+  addBlock(map_, {Vector3(0.0, 0.12, 0.3), Vector3(1.0, 0.22, 0.7)});
+  EXPECT_FALSE(first(path));
+  check_.setMargins(path, 0.0, 1.0, kAtOrigin, {0.1, 0.1});
+  const auto by_margin = first(path);
+  ASSERT_TRUE(by_margin);
+  EXPECT_NEAR(by_margin->link_speed_mps, 0.4, kRounding);
+  EXPECT_EQ(by_margin->distance_m, 0.0) << "with its margin";
+  EXPECT_TRUE(first(path));
+  check_.clearMargins();
+  EXPECT_FALSE(first(path));
+  addWall(0.4, 0.0);
+  const auto found = first(path);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->link_speed_mps, 0.4, kRounding);
+}
+
+TEST_F(WayCheckTest, TheFastestQuarterOfTheWayCounts) {
+  addWall(0.9, 0.0);
+  const JointPath path = way({{0.0, 0.0, 0.0}, {0.25, 0.1, 0.0}, {0.5, 0.5, 0.0}, {1.0, 1.0, 0.0}});
+  check_.setMargins(path, 0.0, 1.0, kAtOrigin, {0.01, 0.1});
+  EXPECT_NEAR(first(path)->link_speed_mps, 1.6, kRounding);
+  check_.setMargins(path, 0.5, 1.0, kAtOrigin, {0.01, 0.1});
+  EXPECT_NEAR(first(path)->link_speed_mps, 1.0, kRounding);
+}
+
+TEST_F(WayCheckTest, WhatTurnsIsAsFastAsItsOutermostPoint) {
+  const auto model = test::modelOf(
+      robotOf(linkOf("base") + linkOf("arm", collisionOf("<box size=\"0.8 0.1 0.1\"/>")) +
+              jointOf("turn", "continuous", "base", "arm",
+                      "<origin xyz=\"0.7 0 0.5\"/>" + axisOf("0 0 1"))));
+  WayCheck check = wayCheck(model, 0.0);
+  JointPath path(1);
+  path.add(0.0, {0.0});
+  path.add(0.5, {0.5});
+  addBlock(map_, {Vector3(0.6, 0.3, 0.3), Vector3(0.7, 0.4, 0.7)});
+  addBlock(map_, {Vector3(0.8, -0.4, 0.3), Vector3(1.4, 0.4, 0.7)});
+  check.setMargins(path, 0.0, 0.5, kAtOrigin, {0.0, 0.1});
+  const auto found = check.firstContact(map_, path, 0.0, 0.5, kAtOrigin);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->link_speed_mps, std::sqrt(0.4 * 0.4 + 2 * 0.05 * 0.05), 1e-6)
+      << "1 rad/s, a corner's distance from its middle";
+}
+
+TEST_F(WayCheckTest, ARobotAtRestHasNoMargin) {
+  const JointPath path = way({{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}});
+  addBlock(map_, {Vector3(0.0, 0.10, 0.3), Vector3(1.0, 0.2, 0.7)});
+  check_.setMargins(path, 0.0, 1.0, kAtOrigin, {10.0, 0.1});
+  EXPECT_FALSE(first(path));
+  check_.setMargins(path, 0.5, 0.5, kAtOrigin, {10.0, 0.1});
+  EXPECT_FALSE(first(path)) << "no time, no speed";
+  addWall(0.0, 0.0);
+  EXPECT_EQ(first(path)->link_speed_mps, 0.0);
+}
+
+TEST_F(WayCheckTest, InFreeSpaceAFewPosesAreEnough) {
+  EXPECT_FALSE(first(way({{0.0, 0.0, 0.0}, {1.0, 0.9, 0.9}})));
+  EXPECT_LE(check_.poses(), 3U) << "both ends and the middle";
+  addWall(1.3, 0.0);
+  EXPECT_FALSE(first(way({{0.0, 0.0, 0.0}, {1.0, 1.2, 0.0}})));
+  EXPECT_LE(check_.poses(), 12U) << "the last 10 mm before the wall";
+}
+
+TEST_F(WayCheckTest, NearAnObstacleThereAreNoMorePosesThanSteps) {
+  addBlock(map_, {Vector3(0.0, 0.10, 0.3), Vector3(1.4, 0.2, 0.7)});
+  EXPECT_FALSE(first(way({{0.0, 0.1, 0.0}, {1.0, 1.3, 0.0}})));
+  EXPECT_GE(check_.poses(), 60U) << "a wall 10 mm beside the whole way";
+  EXPECT_LE(check_.poses(), 4U * 60U);
+}
+
+/// A ball of 20 mm on a slide, and a wall of 30 mm across it. Padded, the ball has a diameter of
+/// 120 mm, so that the wall fits between two poses that are 200 mm apart.
+class ThinWallTest : public test::CheckerFixture {
+ protected:
+  ThinWallTest() {
+    model_ = test::modelOf(
+        robotOf(linkOf("base") + linkOf("hand", collisionOf(test::sphereOf("0.02"))) +
+                jointOf("slide", "prismatic", "base", "hand",
+                        "<origin xyz=\"0 0 0.5\"/>" + axisOf("1 0 0") + limitOf("-0.5", "1.4"))));
+    Grid::Config grid;
+    grid.cell_size_m = 0.01;
+    wall_ = test::emptyMap(grid);
+    addBlock(wall_, {Vector3(0.59, -0.2, 0.0), Vector3(0.62, 0.2, 1.0)});
+    wall_.viewpoint = clear_.viewpoint;
+    wall_.window = clear_.window;
+    config_.pose.check_occlusion = false;
+    remake();
+  }
+  [[nodiscard]] PoseFindings pose(double slide) const {
+    PoseCheck check(model_, config_.pose);
+    PoseFindings findings;
+    check.check(wall_, {slide}, kAtOrigin, findings);
+    return findings;
+  }
+
+  static constexpr double kFrom = 0.5, kTo = 0.7;  // [m]
+  CuboidMap wall_;
+};
+
+TEST_F(ThinWallTest, IsMissedByACheckOfBothPosesAndFoundOnTheWayBetweenThem) {
+  EXPECT_FALSE(pose(kFrom).collision);
+  EXPECT_FALSE(pose(kTo).collision);
+  WayCheck way(model_, config_.pose.collision_use, config_.pose.collision, 0.02, 0.0);
+  JointPath path(1);
+  path.add(0.0, {kFrom});
+  path.add(0.5, {kTo});
+  const auto found = way.firstContact(wall_, path, 0.0, 0.5, kAtOrigin);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(model_->linkOf(found->contact.shape), "hand");
+  EXPECT_NEAR(wall_.box(wall_.cuboids[found->contact.cuboid]).center().x(), 0.605, 0.0101);
+  // 30 mm at 0.4 m/s; half a step more at most.
+  EXPECT_GE(found->time_s, 0.075 - kRounding);
+  EXPECT_LE(found->time_s, 0.075 + 0.01 / 0.4 + kRounding);
+}
+
+TEST_F(ThinWallTest, StopsARobotWhoseVelocityLeadsThroughIt) {
+  setRoot(kStart);
+  checker_->addJoints(test::at(kStart), test::at(kStart), {"slide"}, {kFrom}, {0.4});
+  setMap(kStart, wall_);
+  const Verdict& verdict = check(kStart);
+  EXPECT_TRUE(verdict.collision);
+  EXPECT_TRUE(verdict.stop);
+  EXPECT_EQ(verdict.reason, Reason::kCollisionAhead);
+  EXPECT_EQ(verdict.link, "hand");
+  EXPECT_FALSE(verdict.now.collision) << "the two poses themselves are free";
+  EXPECT_FALSE(verdict.ahead.collision);
+  ASSERT_TRUE(verdict.first_contact);
+  EXPECT_NEAR(verdict.first_contact->time_s, 0.075, 0.026);
+  EXPECT_NEAR(verdict.first_contact->distance_m, 0.03, 0.01);
+}
+
+TEST_F(ThinWallTest, DoesNotStopARobotThatComesToAHaltBeforeIt) {
+  setRoot(kStart);
+  checker_->addJoints(test::at(kStart), test::at(kStart), {"slide"}, {kFrom}, {0.05});
+  setMap(kStart, wall_);
+  EXPECT_EQ(check(kStart).reason, Reason::kClear);
+}
+
+/// An arm with a primitive of every kind that turns, bends and reaches over a small map.
+std::shared_ptr<const RobotModel> smallArm() {
+  RobotModel::Config config;
+  config.capsule_links = {"fore"};
+  return test::modelOf(
+      robotOf(linkOf("base") +
+              linkOf("upper", collisionOf("<box size=\"0.16 0.05 0.04\"/>", "0.08 0 0")) +
+              linkOf("fore",
+                     collisionOf("<cylinder radius=\"0.02\" length=\"0.12\"/>", "0 0.02 0.06")) +
+              linkOf("rod", collisionOf("<cylinder radius=\"0.015\" length=\"0.2\"/>")) +
+              linkOf("hand", collisionOf(test::sphereOf("0.03"))) +
+              jointOf("turn", "continuous", "base", "upper",
+                      "<origin xyz=\"0 0 0.25\"/>" + axisOf("0 0 1")) +
+              jointOf("bend", "revolute", "upper", "fore",
+                      "<origin xyz=\"0.16 0 0\"/>" + axisOf("0.3 1 0") + limitOf("-2.5", "2.5")) +
+              jointOf("weld", "fixed", "fore", "rod", "<origin xyz=\"0 0 0.1\" rpy=\"1.2 0 0\"/>") +
+              jointOf("reach", "prismatic", "fore", "hand",
+                      "<origin xyz=\"0 0 0.12\"/>" + axisOf("0 0 1") + limitOf("0", "0.1"))),
+      config);
+}
+
+Grid::Config smallGrid() {
+  Grid::Config grid;
+  grid.origin_x_m = grid.origin_y_m = -0.3;
+  grid.size_x_m = grid.size_y_m = 0.6;
+  grid.height_max_m = 0.6;
+  return grid;
+}
+
+/// Up to three corners; some of it goes there and back.
+JointPath randomWay(const RobotModel& model, Random& random) {
+  const auto& variables = model.variables();
+  JointPath path(variables.size());
+  const int corners = random.integer(2, 4);
+  double time_s = random.uniform(0.0, 2.0);
+  std::vector<double> first;
+  for (int i = 0; i < corners; ++i) {
+    std::vector<double> positions;
+    for (const JointVariable& variable : variables) {
+      positions.push_back(
+          random.uniform(variable.lower.value_or(-2.0), variable.upper.value_or(2.0)));
+    }
+    // Some of the joints rest.
+    for (std::size_t v = 0; i > 0 && v < positions.size(); ++v) {
+      if (random.chance(0.3)) positions[v] = first[v];
+    }
+    if (i == 0) first = positions;
+    path.add(time_s, positions);
+    time_s += random.uniform(0.1, 1.0);
+  }
+  return path;
+}
+
+/// The robot's primitives at instants of a way, by forward kinematics alone.
+class Walker {
+ public:
+  Walker(std::shared_ptr<const RobotModel> model, const JointPath& path)
+      : model_(std::move(model)), kinematics_(model_), path_(path) {}
+
+  const std::vector<Pose>& posesAt(double time_s) {
+    path_.positionsAt(time_s, positions_);
+    kinematics_.update(positions_, kAtOrigin);
+    return kinematics_.shapePoses();
+  }
+  /// Whether the shape, grown by that, overlaps a cuboid.
+  bool overlapsAt(double time_s, std::size_t shape, double padding_m, const UprightBox& cuboid) {
+    return overlaps(expanded(model_->shapes()[shape].shape, {1.0, padding_m}),
+                    posesAt(time_s)[shape], cuboid);
+  }
+  /// The first of so many poses at which any shape, grown by that, overlaps any cuboid.
+  std::optional<std::pair<double, std::size_t>> firstOverlap(const CuboidMap& map, int poses,
+                                                             double padding_m) {
+    std::vector<UprightBox> cuboids;
+    for (const Cuboid& cuboid : map.cuboids) cuboids.push_back(map.box(cuboid));
+    std::vector<Shape> shapes;
+    for (const LinkShape& shape : model_->shapes()) {
+      shapes.push_back(expanded(shape.shape, {1.0, padding_m}));
+    }
+    for (int k = 0; k <= poses; ++k) {
+      const double time_s = path_.begin() + (path_.end() - path_.begin()) * k / poses;
+      const std::vector<Pose>& at = posesAt(time_s);
+      for (std::size_t i = 0; i < shapes.size(); ++i) {
+        for (const UprightBox& cuboid : cuboids) {
+          if (overlaps(shapes[i], at[i], cuboid)) return std::make_pair(time_s, i);
+        }
+      }
+    }
+    return std::nullopt;
+  }
+  /// How far the shape's middle gets between two instants.
+  double moved(std::size_t shape, double from_s, double to_s) {
+    const Vector3 from = posesAt(from_s)[shape].translation();
+    return (posesAt(to_s)[shape].translation() - from).norm();
+  }
+
+ private:
+  std::shared_ptr<const RobotModel> model_;
+  Kinematics kinematics_;
+  const JointPath& path_;
+  std::vector<double> positions_;
+};
+
+/// Against many poses, close to each other: what is deeper than half a step is found, and not later
+/// than half a step's motion; what is found touches.
+void expectWhatManyPosesFind(double step_m, double share, unsigned seed, int scenes) {
+  constexpr int kPoses = 2000;
+  constexpr double kGrown = 0.02;
+  const auto model = smallArm();
+  WayCheck check = wayCheck(model, kGrown, step_m);
+  Random random(seed);
+  int touching = 0, free = 0;
+  for (int scene = 0; scene < scenes; ++scene) {
+    const CuboidMap map = test::randomMap(random, smallGrid(), share);
+    const JointPath path = randomWay(*model, random);
+    Walker walker(model, path);
+    const auto found = check.firstContact(map, path, path.begin(), path.end(), kAtOrigin);
+    const auto deep = walker.firstOverlap(map, kPoses, kGrown - 0.5 * step_m);
+    if (found) {
+      const double found_s = path.begin() + found->time_s;
+      EXPECT_LE(found_s, path.end() + kRounding);
+      const UprightBox cuboid = map.box(map.cuboids[found->contact.cuboid]);
+      EXPECT_TRUE(walker.overlapsAt(found_s, found->contact.shape, kGrown, cuboid)) << scene;
+    }
+    if (deep) {
+      ASSERT_TRUE(found) << scene << ": " << model->linkOf(deep->second) << " after "
+                         << deep->first;
+      const double found_s = path.begin() + found->time_s;
+      if (found_s > deep->first) {
+        EXPECT_LE(walker.moved(deep->second, deep->first, found_s), 0.5 * step_m + kRounding);
+      }
+    }
+    ++(found ? touching : free);
+  }
+  EXPECT_GT(touching, scenes / 5);
+  EXPECT_GT(free, scenes / 5);
+}
+
+TEST(WayCheckByManyPosesTest, InStepsOf20MmItFindsWhatManyPosesFind) {
+  expectWhatManyPosesFind(0.02, 0.006, 1, 150);
+}
+
+TEST(WayCheckByManyPosesTest, InStepsOf2MmItFindsWhatManyPosesFind) {
+  expectWhatManyPosesFind(0.002, 0.006, 2, 100);
+}
+
+/// A single thin column near the arm, as what is missed most easily.
+TEST(WayCheckByManyPosesTest, AmongFewThinColumnsItFindsWhatManyPosesFind) {
+  expectWhatManyPosesFind(0.01, 0.002, 3, 200);
+}
+
+/// All of a real robot's primitives and joints at once, as fast as they go.
+TEST(WayCheckByManyPosesTest, OfTheDualArmRobotItFindsWhatManyPosesFind) {
+  constexpr int kPoses = 400;
+  const auto model = simulation::dualArm();
+  WayCheck check = wayCheck(model, 0.02, 0.02);
+  Grid::Config grid;
+  grid.origin_x_m = 0.3;
+  grid.size_x_m = 0.8;
+  grid.height_min_m = 0.5;
+  Random random(4);
+  int touching = 0, free = 0;
+  std::size_t most_poses = 0;
+  for (int scene = 0; scene < 40; ++scene) {
+    const CuboidMap map = test::randomMap(random, grid, 0.01);
+    JointPath path(model->variables().size());
+    std::vector<double> positions;
+    for (const JointVariable& variable : model->variables()) {
+      positions.push_back(random.uniform(*variable.lower, *variable.upper));
+    }
+    path.add(0.0, positions);
+    for (double& position : positions) position += random.uniform(-0.5, 0.5);
+    path.add(0.5, positions);
+    Walker walker(model, path);
+    const auto found = check.firstContact(map, path, 0.0, 0.5, kAtOrigin);
+    most_poses = std::max(most_poses, check.poses());
+    const auto deep = walker.firstOverlap(map, kPoses, 0.01);
+    if (deep) {
+      ASSERT_TRUE(found) << scene;
+      if (found->time_s > deep->first) {
+        EXPECT_LE(walker.moved(deep->second, deep->first, found->time_s), 0.01 + kRounding);
+      }
+    }
+    if (found) {
+      EXPECT_TRUE(walker.overlapsAt(found->time_s, found->contact.shape, 0.02,
+                                    map.box(map.cuboids[found->contact.cuboid])));
+    }
+    ++(found ? touching : free);
+  }
+  EXPECT_GT(touching, 1);
+  EXPECT_GT(free, 1);
+  EXPECT_LT(most_poses, 100U);
+}
+
+TEST(WayCheckConfigTest, WrongLinksAreRefused) {
+  LinkUse use;
+  use.links = {"foot"};
+  EXPECT_THROW(WayCheck(test::sliderModel(), use, {}, 0.02, 0.0), ConfigError);
+}
+
+}  // namespace
+}  // namespace tccm
