@@ -39,8 +39,9 @@ class SimulationNode {
   }
 
   void run() {
-    const ros::WallTime wall_start = ros::WallTime::now();
     const Time start = config_.simulator.start;
+    // By the wall clock, what took time until here counts.
+    const ros::WallTime wall_start = config_.publish_clock ? ros::WallTime::now() : wallTime(start);
     ros::WallRate rate(500.0);
     while (ros::ok()) {
       const Duration elapsed((ros::WallTime::now() - wall_start).toNSec());
@@ -52,6 +53,11 @@ class SimulationNode {
   }
 
  private:
+  static ros::WallTime wallTime(Time time) {
+    const ros::Time stamp = toRos(time);
+    return {stamp.sec, stamp.nsec};
+  }
+
   void hearStop(const std_msgs::Bool& message) {
     go_heard_ = !message.data ? std::optional<Time>(simulator_.now()) : std::nullopt;
   }

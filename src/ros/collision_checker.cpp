@@ -113,7 +113,7 @@ void CollisionChecker::receiveMap(const tccm_monitor::CuboidMap::ConstPtr& messa
   attachments_->mapCame(message->attached_stamp,
                         toRos(toTime(message->header.stamp) - Duration(message->window.toNSec())));
   check();
-  permission_->publish(*verdict_, ros::Time::now());
+  publishPermission();
   noteLatency();
 }
 
@@ -187,7 +187,7 @@ void CollisionChecker::check() {
     checkNow(ros::Time::now());
   } catch (const std::exception& error) {  // silence would be worse
     NODELET_ERROR_THROTTLE(1.0, "The check failed: %s.", error.what());
-    becomeFault(Reason::kInternal, error.what());
+    verdict_ = &checker_->fail(toTime(ros::Time::now()), {Reason::kInternal, error.what()});
   }
   tellChange(*verdict_);
   if (verdict_->level > published_) publish();
@@ -209,6 +209,8 @@ void CollisionChecker::checkNow(const ros::Time& now) {
   check_us_ = stopwatch.lapMicroseconds();
   check_us_max_ = std::max(check_us_max_, check_us_);
   ++checks_;
+  const Cause late = outsideCause();  // as long as this check took
+  if (late.reason == Reason::kCheckLate) verdict_ = &checker_->fail(toTime(now), late);
   if (checker_->map() && verdict_->serial != seen_serial_) {
     seen_serial_ = verdict_->serial;
     latencies_.scan_to_verdict_s = toSeconds(verdict_->stamp - checker_->map()->stamp);
@@ -222,8 +224,8 @@ void CollisionChecker::noteLatency() {
   latencies_.ready_to_verdict_s =
       (ros::WallTime::now() - ros::WallTime(assembled_.ready_wall.sec, assembled_.ready_wall.nsec))
           .toSec();
-  latencies_.longest_s = std::clamp(kLatencyForgotten * latencies_.longest_s,
-                                    latencies_.ready_to_verdict_s, kLatencyMax);
+  latencies_.longest_s = std::min(kLatencyMax, std::max(kLatencyForgotten * latencies_.longest_s,
+                                                        latencies_.ready_to_verdict_s));
   checker_->setLatency(latencies_.longest_s);
 }
 
@@ -254,10 +256,6 @@ void CollisionChecker::tellOnce() {
     told_velocity_ = true;
     NODELET_WARN("Velocities are taken from positions where they are larger: %s.", defect.c_str());
   }
-  const std::size_t abandoned = checker_->commanded().abandoned();
-  if (abandoned == told_abandoned_) return;
-  told_abandoned_ = abandoned;
-  NODELET_WARN("The robot does not follow the commanded trajectory: it is not looked at any more.");
 }
 
 bool CollisionChecker::clockStalls() {
@@ -268,9 +266,13 @@ bool CollisionChecker::clockStalls() {
   return ros::Time::isSimTime() && !now.isZero() && (wall - clock_moved_).toSec() > kClockStallMax;
 }
 
-void CollisionChecker::publish() {
+void CollisionChecker::publishPermission() {
   published_ = verdict_->level;
   permission_->publish(*verdict_, ros::Time::now());
+}
+
+void CollisionChecker::publish() {
+  publishPermission();
   tccm_monitor::MonitorStatus status;
   toMessage(*verdict_, *checker_, status);
   status.header.frame_id = withoutSlash(settings_.fixed_frame);

@@ -34,6 +34,9 @@ std::string defectOf(const LaserScan& scan, std::size_t max_beams) {
   if (!std::isfinite(scan.angle_min) || !std::isfinite(scan.angle_increment)) {
     return "angle_min or angle_increment is not finite";
   }
+  if (scan.ranges.size() > 1 && scan.angle_increment == 0.0) {
+    return "angle_increment is 0: all beams would go one way";
+  }
   if (!(scan.range_min >= 0.0) || !(scan.range_max > scan.range_min) ||
       !std::isfinite(scan.range_max)) {
     return "range_min and range_max contradict each other";

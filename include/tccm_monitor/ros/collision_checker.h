@@ -54,6 +54,7 @@ class CollisionChecker : public nodelet::Nodelet {
   /// What the core cannot know.
   [[nodiscard]] Cause outsideCause() const;
   void noteLatency();
+  void publishPermission();
   void publish();
   void publishPictures();
   /// Whether simulated time stands still, so that nothing can grow old by it.
@@ -93,7 +94,6 @@ class CollisionChecker : public nodelet::Nodelet {
   Reason told_ = Reason::kClear;
   bool told_anything_ = false;
   bool told_velocity_ = false;
-  std::size_t told_abandoned_ = 0;
   Level published_ = Level::kFault;
 };
 
