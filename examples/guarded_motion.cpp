@@ -60,7 +60,7 @@ GuardedMotion::Output GuardedMotion::step(const Instant& now) {
   output.command = path_->setpoint(ahead, scale_, config_.lookahead_s);
   if (time_ >= path_->duration()) {
     enter(State::kIdle, "the goal is reached");
-    output.trajectory = JointTrajectory();
+    output.trajectory = nothing();
   } else if (trajectoryIsOff(now.stamp)) {
     output.trajectory = announce(now.stamp);
   }
@@ -103,7 +103,7 @@ void GuardedMotion::enter(State state, const std::string& reason) {
 
 GuardedMotion::Output GuardedMotion::hold(const std::string& reason) {
   enter(State::kHeld, reason);
-  return {JointTrajectory(), JointTrajectory()};
+  return {JointTrajectory(), nothing()};
 }
 
 GuardedMotion::Output GuardedMotion::holdUnlessPermitted(const Instant& now) {
@@ -132,6 +132,14 @@ JointTrajectory GuardedMotion::announce(const ros::Time& now) {
   announced_scale_ = std::max(gate_.speedScale(), kAnnouncedScaleMin);
   JointTrajectory message = path_->rest(time_, announced_scale_);
   message.header.stamp = now;
+  joints_ = message.joint_names;
+  return message;
+}
+
+/// Other arms may have trajectories of their own: only these joints' are over.
+JointTrajectory GuardedMotion::nothing() const {
+  JointTrajectory message;
+  message.joint_names = joints_;
   return message;
 }
 

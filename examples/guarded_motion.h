@@ -67,16 +67,18 @@ class GuardedMotion {
   void advance(const Instant& now);
   [[nodiscard]] bool trajectoryIsOff(const ros::Time& now) const;
   [[nodiscard]] trajectory_msgs::JointTrajectory announce(const ros::Time& now);
+  [[nodiscard]] trajectory_msgs::JointTrajectory nothing() const;
 
   Config config_;
   PermissionGate gate_;
   State state_ = State::kIdle;
   std::string reason_;
-  std::optional<GoalPath> path_;  ///< only while moving
-  double time_ = 0.0;             ///< along the path [s]
-  double scale_ = 0.0;            ///< of the speed
-  ros::Time last_;                ///< the cycle before
-  ros::Time announced_;           ///< when the trajectory was published, from where, at what scale
+  std::optional<GoalPath> path_;     ///< only while moving
+  std::vector<std::string> joints_;  ///< that were moved last
+  double time_ = 0.0;                ///< along the path [s]
+  double scale_ = 0.0;               ///< of the speed
+  ros::Time last_;                   ///< the cycle before
+  ros::Time announced_;  ///< when the trajectory was published, from where, at what scale
   double announced_time_ = 0.0;
   double announced_scale_ = 1.0;
 };

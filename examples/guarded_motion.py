@@ -181,6 +181,7 @@ class GuardedMotion:
         self.lookahead = lookahead
         self.scale_change = scale_change
         self.gate = PermissionGate()
+        self.joints = []  # that were moved last
         self.state, self.reason = IDLE, ""
         self.path = None  # only while moving
         self.time = 0.0  # along the path [s]
@@ -213,7 +214,7 @@ class GuardedMotion:
                                      self.lookahead)
         if self.time >= self.path.duration:
             self._enter(IDLE, "the goal is reached")
-            return Output(command, JointTrajectory())
+            return Output(command, self._nothing())
         return Output(command, self._announce(now) if self._trajectory_is_off(now) else None)
 
     def cancel(self):
@@ -246,7 +247,7 @@ class GuardedMotion:
 
     def _hold(self, reason):
         self._enter(HELD, reason)
-        return Output(JointTrajectory(), JointTrajectory())
+        return Output(JointTrajectory(), self._nothing())
 
     def _hold_unless_permitted(self, now):
         objection = self.gate.objection(now) if self.state == MOVING else ""
@@ -269,4 +270,9 @@ class GuardedMotion:
         self.announced = (now.stamp, self.time, scale)
         message = self.path.rest(self.time, scale)
         message.header.stamp = rospy.Time.from_sec(now.stamp)
+        self.joints = message.joint_names
         return message
+
+    def _nothing(self):
+        """Other arms may have trajectories of their own: only these joints' are over."""
+        return JointTrajectory(joint_names=self.joints)
