@@ -43,7 +43,9 @@ void PoseCheck::check(const CuboidMap& map, const std::vector<double>& positions
   Stopwatch stopwatch;
   kinematics_.update(positions, T_fixed_roots);
   place(collision_used_.shapes, kinematics_.shapePoses(), collision_body_);
-  findings.contacts = collision_.find(map, collision_body_);
+  const std::vector<Contact>& contacts = collision_.find(map, collision_body_);
+  findings.contacts.reserve(contacts.capacity());  // once for all
+  findings.contacts = contacts;
   for (Contact& contact : findings.contacts) {
     contact.shape = static_cast<std::uint32_t>(collision_used_.shapes[contact.shape]);
   }
@@ -56,6 +58,7 @@ void PoseCheck::check(const CuboidMap& map, const std::vector<double>& positions
   place(occlusion_used_.shapes, kinematics_.shapePoses(), occlusion_body_);
   const OcclusionCheck::Result& hidden = occlusion_.find(map, occlusion_body_);
   findings.links = hidden.links;
+  findings.occluding_cuboids.reserve(hidden.cuboids.capacity());
   findings.occluding_cuboids = hidden.cuboids;
   findings.occlusion =
       std::any_of(hidden.links.begin(), hidden.links.end(),

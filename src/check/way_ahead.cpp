@@ -34,6 +34,7 @@ WayAhead::WayAhead(std::shared_ptr<const RobotModel> model, const PoseCheck::Con
       escape_(model_->variables().size()),
       end_(model_->variables().size()) {
   measured_.reserve(model_->variables().size() + 2);
+  commanded_.reserve(kWayPoints);
 }
 
 void WayAhead::exempt(const ExemptRegions& regions) {
