@@ -187,7 +187,7 @@ Cause CheckInputs::silenceCause(Time now) const {
   return {Reason::kNoMap, ageText("scans come, but none was mapped for", silence)};
 }
 
-Cause CheckInputs::mapCause(Time now) const {
+Cause CheckInputs::mapCause(Time now, bool joints_known) const {
   if (!map_) {
     if (within(now, config_.map_age_max_s)) return {Reason::kInit, "waiting for the first scan"};
     return silenceCause(now);
@@ -202,7 +202,7 @@ Cause CheckInputs::mapCause(Time now) const {
                      !(assembled_ && *assembled_ - map_arrival_ > silenceMax());
   if (now - map_arrival_ > silenceMax() && !waits) return silenceCause(now);
   if (age > fromSeconds(config_.map_age_max_s)) {
-    if (waits) {
+    if (waits && joints_known) {  // scans may wait for joint states as well
       return {Reason::kNoTransform, ageText("scans wait for transforms; the newest in the map is "
                                             "older than",
                                             fromSeconds(config_.map_age_max_s))};
@@ -221,9 +221,11 @@ void CheckInputs::appendCauses(Time now, std::vector<Cause>& causes) {
     if (cause.reason != Reason::kClear) causes.push_back(std::move(cause));
   };
   add(clockCause());
-  add(jointsCause(now));
+  const Cause joints = jointsCause(now);
+  const bool joints_known = joints.reason == Reason::kClear;
+  add(joints);
   for (std::size_t root = 0; root < roots_.size(); ++root) add(rootCause(now, root));
-  add(mapCause(now));
+  add(mapCause(now, joints_known));
 }
 
 Cause CheckInputs::worst(Time now) {

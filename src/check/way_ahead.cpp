@@ -7,8 +7,9 @@
 namespace tccm {
 namespace {
 
-constexpr double kEscape_s = 10.0;  // a way out may be as slow as this
-constexpr double kEscape_m = 0.05;  // that a primitive moves at most on the way looked at
+constexpr double kEscape_s = 10.0;        // a way out may be as slow as this
+constexpr double kEscape_m = 0.05;        // that a primitive moves at most on the way looked at
+constexpr std::size_t kWayPoints = 4200;  // as many as CommandedTrajectories::makeWay() adds
 
 }  // namespace
 

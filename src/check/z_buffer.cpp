@@ -190,7 +190,7 @@ void ZBuffer::begin(const Vector3& viewpoint) {
   for (const std::uint32_t index : drawn_) pixels_[index] = kEmpty;
   drawn_.clear();
   std::fill(column_farthest_.begin(), column_farthest_.end(), 0.0F);
-  std::fill(neighbours_farthest_.begin(), neighbours_farthest_.end(), 0.0F);
+  neighbours_known_ = false;
   farthest_ = 0.0F;
   lowest_row_ = rows_;
   highest_row_ = -1;
@@ -260,23 +260,28 @@ void ZBuffer::draw(const Shape& shape, const Pose& T_fixed_shape, std::uint32_t 
   const Window window = windowOf(shape, T_fixed_shape);
   // Rounded down: what is nearer already stays.
   const auto depth_min = static_cast<float>(nearest * (1.0 - 1e-6));
-  const float farthest = std::visit(
-      [&](const auto& solid) { return drawIn(window, solid, T_fixed_shape, index, depth_min); },
-      shape);
-  farthest_ = std::max(farthest_, farthest);
-  const int margin = kNarrow + 1;
-  const int columns = std::min(window.column_end - window.column_begin + 2 * margin, columns_);
-  for (int k = 0; k < columns; ++k) {
-    const int column = (window.column_begin - margin + k + columns_) % columns_;
-    float& of_column = neighbours_farthest_[static_cast<std::size_t>(column)];
-    of_column = std::max(of_column, farthest);
+  std::visit([&](const auto& solid) { drawIn(window, solid, T_fixed_shape, index, depth_min); },
+             shape);
+  neighbours_known_ = false;
+}
+
+void ZBuffer::findNeighbours() {
+  constexpr int kMargin = kNarrow + 1;
+  for (int c = 0; c < columns_; ++c) {
+    float farthest = 0.0F;
+    for (int k = c - kMargin; k <= c + kMargin; ++k) {
+      const int column = k < 0 ? k + columns_ : k < columns_ ? k : k - columns_;
+      farthest = std::max(farthest, column_farthest_[static_cast<std::size_t>(column)]);
+    }
+    neighbours_farthest_[static_cast<std::size_t>(c)] = farthest;
+    farthest_ = std::max(farthest_, farthest);
   }
+  neighbours_known_ = true;
 }
 
 template <typename Solid>
-float ZBuffer::drawIn(const Window& window, const Solid& solid, const Pose& T_fixed_shape,
-                      std::uint32_t index, float depth_min) {
-  float farthest_drawn = 0.0F;
+void ZBuffer::drawIn(const Window& window, const Solid& solid, const Pose& T_fixed_shape,
+                     std::uint32_t index, float depth_min) {
   const Eigen::Matrix3d R_shape_fixed = T_fixed_shape.linear().transpose();
   const Vector3 to_shape = T_fixed_shape.translation() - viewpoint_;
   Entry<Solid> entry(solid, R_shape_fixed * -to_shape);
@@ -314,18 +319,16 @@ float ZBuffer::drawIn(const Window& window, const Solid& solid, const Pose& T_fi
       pixel = {depth, index, false};
       float& farthest = column_farthest_[static_cast<std::size_t>(column)];
       farthest = std::max(farthest, depth * level);
-      farthest_drawn = std::max(farthest_drawn, depth * level);
       any = true;
     }
     if (!any) continue;
     lowest_row_ = std::min(lowest_row_, row);
     highest_row_ = std::max(highest_row_, row);
   }
-  return farthest_drawn;
 }
 
-std::optional<ZBuffer::Silhouette> ZBuffer::silhouette(const CuboidMap& map,
-                                                       std::uint32_t cuboid) const {
+std::optional<ZBuffer::Silhouette> ZBuffer::silhouette(const CuboidMap& map, std::uint32_t cuboid) {
+  if (!neighbours_known_) findNeighbours();
   const Cuboid& c = map.cuboids[cuboid];
   const Eigen::Vector2d centre = map.grid.centre(c.cell) - viewpoint_.head<2>();
   const double half_diagonal = std::sqrt(0.5) * map.grid.config().cell_size_m;

@@ -127,8 +127,8 @@ class Simplex {
 /// the two, and so a lower bound; every v of the set of their differences an upper one.
 /// @param v where to look first: about from the box's nearest point to the shape's.
 template <typename Solid>
-Separation iterated(const Vector3& centre, const Support<Solid>& support, const Vector3& half, Vector3 v,
-                    double enough_m) {
+Separation iterated(const Vector3& centre, const Support<Solid>& support, const Vector3& half,
+                    Vector3 v, double enough_m) {
   const auto furthest = [&](const Vector3& towards) {
     return Vector3(centre + support(towards) + corner(half, towards));
   };
@@ -171,8 +171,7 @@ struct Separate {
   Separation operator()(const Box& b) const {
     const Vector3 gap = outside(centre, half);
     if (gap.isZero(0.0)) return {};
-    return iterated(centre, Support<Box>{T_fixed_shape.linear(), b}, half, gap,
-                    enough_m);
+    return iterated(centre, Support<Box>{T_fixed_shape.linear(), b}, half, gap, enough_m);
   }
 
   /// A cylinder lies in the capsule with its axis, and touches that capsule's side everywhere.

@@ -1,6 +1,7 @@
 #include "tccm_monitor/ros/checker_services.h"
 
 #include <string>
+#include <utility>
 
 #include "tccm_monitor/config_error.h"
 #include "tccm_monitor/ros/conversions.h"
@@ -47,7 +48,9 @@ void stampMap(const Checker& checker, Time now, Response& response) {
 
 }  // namespace
 
-CheckerServices::CheckerServices(ros::NodeHandle node, Checker& checker) : checker_(checker) {
+CheckerServices::CheckerServices(ros::NodeHandle node, Checker& checker,
+                                 std::function<void()> prepare)
+    : checker_(checker), prepare_(std::move(prepare)) {
   state_ = node.advertiseService("check_state", &CheckerServices::checkState, this);
   trajectory_ = node.advertiseService("check_trajectory", &CheckerServices::checkTrajectory, this);
   exemption_ = node.advertiseService("add_exemption", &CheckerServices::addExemption, this);
@@ -61,6 +64,7 @@ bool CheckerServices::checkState(tccm_monitor::CheckState::Request& request,
     return true;
   }
   const Time now = toTime(ros::Time::now());
+  prepare_();
   const Checker::StateAnswer found =
       checker_.checkState(now, request.state.name, request.state.position);
   answer(found.reason, found.detail, found.link, response);
@@ -76,6 +80,7 @@ bool CheckerServices::checkTrajectory(tccm_monitor::CheckTrajectory::Request& re
     return true;
   }
   const Time now = toTime(ros::Time::now());
+  prepare_();
   const TrajectoryCheck::Answer found =
       checker_.checkTrajectory(now, fromMessage(request.trajectory));
   answer(found.cause.reason, found.cause.detail, found.cause.link, response);

@@ -43,7 +43,8 @@ void CollisionChecker::setUp() {
   NODELET_INFO("Self-test passed: a cuboid in any of %zu primitives is found.",
                checker_->poseCheckNow().collisionShapes().size());
   attachments_ = std::make_unique<Attachments>(node, settings_, *checker_);
-  services_ = std::make_unique<CheckerServices>(node, *checker_);
+  services_ = std::make_unique<CheckerServices>(
+      node, *checker_, [this] { checker_->setOutsideCause(outsideCause()); });
   for (auto& map : maps_) map = std::make_shared<CuboidMap>();
   becomeFault(Reason::kInit, "nothing was checked yet");
   const ros::Duration valid_for(settings_.permission_valid_periods / settings_.publish_rate_hz);

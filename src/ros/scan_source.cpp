@@ -74,11 +74,6 @@ const ScanSource::Ready* ScanSource::next(const JointStates* joints, Time now) {
       continue;
     }
     const Status status = place(waiting_.front(), joints);
-    if (status == Status::kNotYet && laterOneCanBePlaced(joints)) {
-      countDrop(waiting_.front().scan.stamp, "no_transform");
-      waiting_.pop_front();
-      continue;
-    }
     if (status == Status::kNotYet && now - waiting_.front().arrival <= wait_max_) return nullptr;
     Waiting scan = std::move(waiting_.front());
     waiting_.pop_front();
@@ -93,14 +88,6 @@ const ScanSource::Ready* ScanSource::next(const JointStates* joints, Time now) {
     countDrop(scan.scan.stamp, joints_missing ? "no_joint_states" : TransformHistory::name(status));
   }
   return nullptr;
-}
-
-/// Then what the first one waits for is not on its way.
-bool ScanSource::laterOneCanBePlaced(const JointStates* joints) {
-  for (std::size_t i = 1; i < waiting_.size(); ++i) {
-    if (place(waiting_[i], joints) == Status::kFound) return true;
-  }
-  return false;
 }
 
 std::size_t ScanSource::droppedCount() const {

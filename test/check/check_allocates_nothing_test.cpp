@@ -60,6 +60,13 @@ class CheckAllocatesNothingTest : public ::testing::Test {
     checker_.setRootPose(0, Time(), Pose::Identity(), true);
   }
 
+  /// A link that is hidden in part stops nothing.
+  static Checker::Config config() {
+    Checker::Config config;
+    config.pose.occlusion.hidden_fraction = 1.0;
+    return config;
+  }
+
   [[nodiscard]] std::vector<double> positionsAt(double time_s) const {
     std::vector<double> positions = test::armsAhead(*model_, -0.8);
     const double roll = kOutwards + 0.5 * kSwing * (1.0 - std::cos(2.0 * M_PI * time_s / kPeriod));
@@ -106,7 +113,7 @@ class CheckAllocatesNothingTest : public ::testing::Test {
   const std::shared_ptr<const RobotModel> model_ = simulation::dualArm();
   std::vector<std::string> names_;
   CuboidMap map_ = test::tableMap();
-  Checker checker_{model_, Checker::Config()};
+  Checker checker_{model_, config()};
   double time_s_ = 0.0;
   std::uint32_t serial_ = 0;
   bool follows_ = false;

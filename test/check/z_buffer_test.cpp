@@ -106,6 +106,17 @@ TEST(ZBufferTest, TheNearerOfTwoIsShownInWhicheverOrderTheyAreDrawn) {
   }
 }
 
+TEST(ZBufferTest, OfTwoAtOnePlaceTheFirstOfTheBodyIsShownInWhicheverOrderTheyAreDrawn) {
+  for (const std::uint32_t drawn_first : {1U, 2U}) {
+    ZBuffer buffer(kResolution);
+    buffer.begin(kOrigin);
+    buffer.draw(Box{{0.1, 0.2, 0.2}}, placedAt(1, 0, 0), drawn_first);
+    buffer.draw(Box{{0.1, 0.2, 0.2}}, placedAt(1, 0, 0), 3U - drawn_first);
+    EXPECT_FALSE(buffer.drawn().empty());
+    for (const std::uint32_t at : buffer.drawn()) EXPECT_EQ(buffer.pixelAt(at).shape, 1U);
+  }
+}
+
 TEST(ZBufferTest, AShapeAroundTheViewpointIsLeftOut) {
   ZBuffer buffer(kResolution);
   buffer.begin(Vector3(0.1, 0.0, 0.0));

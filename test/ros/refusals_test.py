@@ -163,7 +163,7 @@ class RefusalsTest(unittest.TestCase):
         last = self.recorders["wrong_frame"].statuses[-1]
         self.assertEqual((last.level, last.reason), (MonitorStatus.FAULT, "NO_TRANSFORM"))
         self.assertIn("fixed_frame 'nowhere'", last.detail)
-        said = self.said("wrong_frame", "STOP NO_TRANSFORM")
+        said = self.said("wrong_frame", "FAULT NO_TRANSFORM")
         self.assertEqual(len(said), 1, said)
         self.assertIn("nowhere", said[0])
 

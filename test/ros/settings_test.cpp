@@ -127,8 +127,8 @@ TEST(SettingsTest, EveryKeyOfTheDefaultFileIsRead) {
 /// The keys in backquotes at the start of a table's rows that look like parameters.
 std::set<std::string> documentedKeys(const std::string& readme) {
   std::set<std::string> keys;
-  const std::regex row("^\\| *((?:`[a-z_]+`[, ]*)+)\\|");
-  const std::regex key("`([a-z_]+)`");
+  const std::regex row("^\\| *((?:`[a-z0-9_]+`[, ]*)+)\\|");
+  const std::regex key("`([a-z0-9_]+)`");
   std::ifstream file(readme);
   std::smatch match;
   for (std::string line; std::getline(file, line);) {

@@ -13,6 +13,7 @@ topics: {scan: /tilt_scan}
 tilt_scan_assembler: {fixed_frame: base_link, mixed_pixel_separation_m: 0, self_filter: false}
 tccm_mapper: {window_scans: 5, area_origin_x_m: 0.2, area_origin_y_m: -0.5, height_max_m: 1.5}
 collision_checker: {fixed_frame: base_link, support_points: 1, horizon_s: 0.0,
+                    hold_until_reset: false,
                     collision_padding_m: 0.01, check_occlusion: false}
 """
 

@@ -82,7 +82,7 @@ class CheckInputs {
   [[nodiscard]] Cause clockCause() const;
   [[nodiscard]] Cause jointsCause(Time now);
   [[nodiscard]] Cause rootCause(Time now, std::size_t root) const;
-  [[nodiscard]] Cause mapCause(Time now) const;
+  [[nodiscard]] Cause mapCause(Time now, bool joints_known) const;
   /// No new map for too long: why.
   [[nodiscard]] Cause silenceCause(Time now) const;
   [[nodiscard]] bool within(Time now, double seconds) const;

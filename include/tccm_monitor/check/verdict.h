@@ -60,7 +60,11 @@ struct Cause {
       : reason(why), level(how_bad), detail(std::move(text)), link(std::move(of_link)) {}
 
   [[nodiscard]] bool isWorseThan(const Cause& other) const {
-    return level != other.level ? level > other.level : reason > other.reason;
+    if (level != other.level) return level > other.level;
+    // Of what slows the robot down, that it touches something is the gravest.
+    const bool moves_out = reason == Reason::kMovingOut;
+    if (moves_out != (other.reason == Reason::kMovingOut)) return moves_out;
+    return reason > other.reason;
   }
 };
 

@@ -42,8 +42,7 @@ class ZBuffer {
   bool cover(const Silhouette& silhouette, double margin);
 
   /// Nothing where the cuboid lies in front of nothing that is drawn.
-  [[nodiscard]] std::optional<Silhouette> silhouette(const CuboidMap& map,
-                                                     std::uint32_t cuboid) const;
+  [[nodiscard]] std::optional<Silhouette> silhouette(const CuboidMap& map, std::uint32_t cuboid);
 
   [[nodiscard]] int rows() const { return rows_; }        ///< from straight down to straight up
   [[nodiscard]] int columns() const { return columns_; }  ///< from azimuth -pi on, counterclockwise
@@ -62,6 +61,7 @@ class ZBuffer {
   struct Window {
     int row_begin, row_end, column_begin, column_end;  ///< columns as in Silhouette
   };
+  void findNeighbours();
   /// A ray at elevation 0.
   struct LevelRay {
     Vector3 direction;  ///< in the shape's frame
@@ -69,10 +69,9 @@ class ZBuffer {
   };
   /// Every pixel whose ray can meet the shape lies in it.
   [[nodiscard]] Window windowOf(const Shape& shape, const Pose& T_fixed_shape) const;
-  /// @return the farthest horizontal distance that it drew [m].
   template <typename Solid>
-  float drawIn(const Window& window, const Solid& solid, const Pose& T_fixed_shape,
-               std::uint32_t index, float depth_min);
+  void drawIn(const Window& window, const Solid& solid, const Pose& T_fixed_shape,
+              std::uint32_t index, float depth_min);
   [[nodiscard]] int rowOf(double elevation) const;
   /// @param level horizontal distance above 0, to a point of that height over the viewpoint.
   [[nodiscard]] int rowOfSlope(double level, double height) const;
@@ -106,7 +105,8 @@ class ZBuffer {
   // Horizontal distance of the farthest that is drawn, in each column and in all [m]; 0 for
   // nothing.
   std::vector<float> column_farthest_;
-  std::vector<float> neighbours_farthest_;  ///< no less than of a column and some to either side
+  std::vector<float> neighbours_farthest_;  ///< of a column and some to either side
+  bool neighbours_known_ = false;
   float farthest_ = 0.0F;
   int lowest_row_ = 0;  ///< of all that is drawn
   int highest_row_ = -1;

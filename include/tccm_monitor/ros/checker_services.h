@@ -6,6 +6,8 @@
 #include <tccm_monitor/CheckState.h>
 #include <tccm_monitor/CheckTrajectory.h>
 
+#include <functional>
+
 #include "tccm_monitor/check/checker.h"
 
 namespace tccm {
@@ -14,7 +16,8 @@ namespace tccm {
 /// `add_exemption`, `reset`. An error is never answered with free.
 class CheckerServices {
  public:
-  CheckerServices(ros::NodeHandle node, Checker& checker);
+  /// @param prepare called before each question is answered.
+  CheckerServices(ros::NodeHandle node, Checker& checker, std::function<void()> prepare);
 
  private:
   bool checkState(tccm_monitor::CheckState::Request& request,
@@ -26,6 +29,7 @@ class CheckerServices {
   bool reset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
 
   Checker& checker_;
+  std::function<void()> prepare_;
   ros::ServiceServer state_, trajectory_, exemption_, reset_;
 };
 

@@ -61,7 +61,6 @@ class ScanSource {
     std::string frame;
     Time arrival;
   };
-  [[nodiscard]] bool laterOneCanBePlaced(const JointStates* joints);
   /// Fills ready_ from a scan. @return kFound, kNotYet where waiting may help, or why it cannot.
   [[nodiscard]] TransformHistory::Status place(Waiting& waiting, const JointStates* joints);
 
