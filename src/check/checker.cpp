@@ -216,7 +216,9 @@ void Checker::judgeContacts(const JointSnapshot& joints) {
     verdict_.first_contact = WayContact{contact};
     findings_.touching =
         contactCause(Reason::kCollision, Level::kStop, contact.shape, " touches the map");
-    const bool is_blocked = ahead && checks_.way.levelOf(*ahead) == Level::kStop;
+    // Where not all is known no way out is known either.
+    const bool is_blocked =
+        !findings_.known || (ahead && checks_.way.levelOf(*ahead) == Level::kStop);
     if (!is_blocked &&
         checks_.way.movesOut(map, verdict_.now.contacts, joints, commanded_, T_fixed_roots)) {
       add(contactCause(Reason::kMovingOut, Level::kSlow, contact.shape, " moves out of contact"),
