@@ -25,8 +25,20 @@ class OcclusionSlowsTest(unittest.TestCase):
                          queue_size=1000)
         wait_for_nodelets()
         recording.play().wait()
-        cls.rise = cls.recorder.first(lambda status: status.occlusion, SETTLED)
-        cls.fall = cls.recorder.first(lambda status: not status.occlusion, cls.rise or SETTLED)
+        cls.rise, cls.fall = cls.longest_run()
+
+    @classmethod
+    def longest_run(cls):
+        """First and last stamp of the most statuses in a row that say hidden: at its edges it may
+        come and go."""
+        runs, before = [], False
+        for status in cls.recorder.between(SETTLED, START + 1e6):
+            stamp = status.header.stamp.to_sec()
+            if status.occlusion:
+                runs = runs if before else runs + [[stamp, stamp]]
+                runs[-1][1] = stamp
+            before = status.occlusion
+        return max(runs, key=lambda run: run[1] - run[0], default=(None, None))
 
     def hidden(self):
         return self.recorder.between(self.rise, self.fall)

@@ -147,12 +147,12 @@ TEST_F(ScanSourceTest, FramesMayStartWithASlash) {
 TEST_F(ScanSourceTest, WithoutEndlessMemoryTheOldestScanGoesFirst) {
   ScanSource source = this->source();
   for (int i = 0; i < 150; ++i) {
-    EXPECT_EQ(source.add(scanAt(1.0 + 0.03 * i), "laser", at(1.0)), "");
+    EXPECT_EQ(source.add(scanAt(1.0 + 0.03 * i), "laser", at(1.0 + 0.03 * i)), "");
   }
   EXPECT_EQ(source.waiting() + source.dropped().at("no_transform"), 150U);
   EXPECT_LT(source.waiting(), 150U);
   hearFromTo("laser", 1.0, 6.0);
-  const ScanSource::Ready* ready = source.next(nullptr, at(1.0));
+  const ScanSource::Ready* ready = source.next(nullptr, at(5.5));
   ASSERT_NE(ready, nullptr);
   EXPECT_EQ(ready->scan.stamp, at(1.0 + 0.03 * static_cast<double>(source.droppedCount())));
 }
