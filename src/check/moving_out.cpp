@@ -16,12 +16,6 @@ constexpr double kNoise = 0.002;  // [m] by which a distance may shrink without 
 constexpr double kOpens = 0.003;  // [m] by which it has to grow over the way
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-std::vector<double> radiiOf(const Body& body) {
-  std::vector<double> radii;
-  for (const Shape& shape : body.shapes) radii.push_back(boundingRadius(shape));
-  return radii;
-}
-
 }  // namespace
 
 MovingOut::MovingOut(std::shared_ptr<const RobotModel> model, const PoseCheck::Config& config)
@@ -30,7 +24,7 @@ MovingOut::MovingOut(std::shared_ptr<const RobotModel> model, const PoseCheck::C
       body_(bodyOf(*model_, used_)),
       kinematics_(model_),
       collision_(config.collision),
-      bound_(*model_, used_.shapes, radiiOf(body_)),
+      bound_(*model_, used_.shapes, radiiOf(body_, 0.0)),
       contacts_max_(static_cast<std::size_t>(config.collision.contacts_max)) {
   for (const std::size_t shape : used_.shapes)
     cores_.push_back(core(model_->shapes()[shape].shape));

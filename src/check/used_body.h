@@ -22,4 +22,13 @@ inline void place(const std::vector<std::size_t>& shapes, const std::vector<Pose
   for (std::size_t i = 0; i < shapes.size(); ++i) body.poses[i] = poses[shapes[i]];
 }
 
+/// Around each shape's frame, with whatever it may grow by.
+inline std::vector<double> radiiOf(const Body& body, double margin_m) {
+  std::vector<double> radii;
+  for (const Shape& shape : body.shapes) {
+    radii.push_back(boundingRadius(expanded(shape, {1.0, margin_m})));
+  }
+  return radii;
+}
+
 }  // namespace tccm

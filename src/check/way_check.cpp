@@ -16,14 +16,6 @@ constexpr std::size_t kDepthMax = 24;  // halvings; a way of a kilometre in step
 constexpr int kSpeedSamples = 4;
 constexpr double kTouching = 1e-6;  // [m] that count as nothing
 
-std::vector<double> radiiOf(const Body& body, double margin_m) {
-  std::vector<double> radii;
-  for (const Shape& shape : body.shapes) {
-    radii.push_back(boundingRadius(expanded(shape, {1.0, margin_m})));
-  }
-  return radii;
-}
-
 /// How far a point within that radius of a frame's origin moves at most from one pose of the frame
 /// to another, on the shortest way.
 double displacement(const Pose& from, const Pose& to, double radius_m) {
