@@ -18,7 +18,6 @@ constexpr double kRidge = 0.02;
 constexpr double kDone = 0.01;     // [rad or m] left to travel
 constexpr double kArrived = 0.05;  // [rad or m] from its end
 constexpr double kTurn = 2.0 * 3.14159265358979323846;
-constexpr std::size_t kWayPointsMax = 4096;
 
 /// Where a joint is after that time at its velocity.
 double positionAfter(const JointVariable& variable, double position, double velocity,
@@ -85,11 +84,11 @@ void CommandedTrajectories::Config::validate() const {
 
 CommandedTrajectories::CommandedTrajectories(const RobotModel& model, const Config& config)
     : config_((config.validate(), config)) {
-  times_s_.reserve(kWayPointsMax);
+  times_s_.reserve(kWayPoints);
   positions_.resize(model.variables().size());
   way_point_.resize(model.variables().size());
   for (std::size_t v = 0; v < model.variables().size(); ++v) {
-    turning_.push_back(isTurning(model, v));
+    turning_.push_back(model.turnsFreely(v));
   }
 }
 
@@ -109,7 +108,8 @@ void CommandedTrajectories::forget(const std::vector<std::string>& names) {
 
 std::string CommandedTrajectories::command(Time now, const JointTrajectory& trajectory,
                                            const RobotModel& model,
-                                           const std::vector<double>& positions) {
+                                           const std::vector<double>& positions,
+                                           const std::vector<double>& velocities) {
   forget(trajectory.names);
   if (trajectory.points.empty()) return {};
   std::string defect;
@@ -124,7 +124,7 @@ std::string CommandedTrajectories::command(Time now, const JointTrajectory& traj
   if (defect.empty()) {
     Active active{trajectory.names, variablesOf(trajectory, model), JointPath(positions.size()),
                   0.0, now};
-    makePath(trajectory, model, positions, kSplineTolerance, active.path);
+    makePath(trajectory, model, positions, kSplineTolerance, active.path, velocities);
     if (deviation(active, 0.0, positions) <= config_.deviation_max) {
       active_.push_back(std::move(active));
       return {};
@@ -207,7 +207,7 @@ void CommandedTrajectories::makeWay(const RobotModel& model, const JointSnapshot
   times_s_.clear();
   appendTurningTimes(model, joints, horizon_s, times_s_);
   for (const Active& active : active_) {
-    for (std::size_t i = 0; i < active.path.size() && times_s_.size() < kWayPointsMax; ++i) {
+    for (std::size_t i = 0; i < active.path.size(); ++i) {
       const double time_s = active.path.time(i) - active.at_s;
       if (time_s > 0.0 && time_s < horizon_s) times_s_.push_back(time_s);
     }

@@ -7,9 +7,8 @@
 namespace tccm {
 namespace {
 
-constexpr double kEscape_s = 10.0;        // a way out may be as slow as this
-constexpr double kEscape_m = 0.05;        // that a primitive moves at most on the way looked at
-constexpr std::size_t kWayPoints = 4200;  // as many as CommandedTrajectories::makeWay() adds
+constexpr double kEscape_s = 10.0;  // a way out may be as slow as this
+constexpr double kEscape_m = 0.05;  // that a primitive moves at most on the way looked at
 
 }  // namespace
 
@@ -35,7 +34,7 @@ WayAhead::WayAhead(std::shared_ptr<const RobotModel> model, const PoseCheck::Con
       escape_(model_->variables().size()),
       end_(model_->variables().size()) {
   measured_.reserve(model_->variables().size() + 2);
-  commanded_.reserve(kWayPoints);
+  commanded_.reserve(CommandedTrajectories::kWayPoints);
 }
 
 void WayAhead::exempt(const ExemptRegions& regions) {

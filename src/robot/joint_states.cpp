@@ -11,7 +11,8 @@ namespace tccm {
 namespace {
 
 constexpr double kFixedTolerance = 0.01;  // [rad, m]
-constexpr double kMoving = 0.02;          // [rad/s, m/s]; less may be noise
+constexpr double kTurn = 2.0 * 3.14159265358979323846;
+constexpr double kMoving = 0.02;  // [rad/s, m/s]; less may be noise
 constexpr double kLargest = 1e6;  // [rad, m, 1/s]; beyond it is no joint's position or velocity
 
 }  // namespace
@@ -26,6 +27,7 @@ JointStates::JointStates(const RobotModel& model, const Config& config)
     : config_((config.validate(), config)), fixed_(model.fixedJoints()) {
   for (const JointVariable& variable : model.variables()) {
     index_[variable.name] = names_.size();
+    turns_freely_.push_back(model.turnsFreely(names_.size()));
     names_.push_back(variable.name);
   }
   tracks_.resize(names_.size());
@@ -102,13 +104,18 @@ std::vector<std::string> JointStates::missingJoints() const {
   return missing;
 }
 
-double JointStates::differentiate(const Track& track) const {
+double JointStates::moved(std::size_t joint, double from, double to) const {
+  return turns_freely_[joint] ? std::remainder(to - from, kTurn) : to - from;
+}
+
+double JointStates::differentiate(std::size_t joint) const {
+  const Track& track = tracks_[joint];
   const Sample& newest = track.newest(0);
   double differentiated = 0.0;
   for (std::size_t k = 1; k < track.count; ++k) {
     const double dt = toSeconds(newest.stamp - track.newest(k).stamp);
     if (dt > std::max(config_.gap_max_s, config_.velocity_baseline_s) && k > 1) break;
-    differentiated = (newest.position - track.newest(k).position) / dt;
+    differentiated = moved(joint, track.newest(k).position, newest.position) / dt;
     if (dt >= config_.velocity_baseline_s) break;
   }
   return differentiated;
@@ -124,15 +131,15 @@ void JointStates::lookForVelocityDefect(std::size_t joint) {
   // When a joint comes to rest its last velocity alone is 0.
   if (track.count < 2 || newest.velocity != 0.0 || track.newest(1).velocity != 0.0) return;
   const Sample& before = track.newest(1);
-  const double moved = std::abs(newest.position - before.position);
-  if (moved > kMoving * toSeconds(newest.stamp - before.stamp)) {
+  const double way = std::abs(moved(joint, before.position, newest.position));
+  if (way > kMoving * toSeconds(newest.stamp - before.stamp)) {
     velocity_defect_ = "joint '" + names_[joint] + "' is published with velocity 0 while it moves";
   }
 }
 
 double JointStates::velocityOf(std::size_t joint) {
   const Track& track = tracks_[joint];
-  const double differentiated = differentiate(track);
+  const double differentiated = differentiate(joint);
   const bool is_reported = std::abs(track.newest(0).velocity) <= kLargest;
   const double reported = is_reported ? track.newest(0).velocity : 0.0;
   if (velocity_defect_.empty()) lookForVelocityDefect(joint);
@@ -151,7 +158,8 @@ const JointSnapshot* JointStates::latest() {
   return &snapshot_;
 }
 
-bool JointStates::interpolate(const Track& track, Time stamp, double& position) const {
+bool JointStates::interpolate(std::size_t joint, Time stamp, double& position) const {
+  const Track& track = tracks_[joint];
   for (std::size_t k = 0; k < track.count; ++k) {
     const Sample& before = track.newest(k);
     if (before.stamp > stamp) continue;
@@ -161,7 +169,7 @@ bool JointStates::interpolate(const Track& track, Time stamp, double& position) 
     const Sample& after = track.newest(k - 1);
     const double gap = toSeconds(after.stamp - before.stamp);
     const double u = toSeconds(stamp - before.stamp) / gap;
-    position += u * (after.position - before.position);
+    position += u * moved(joint, before.position, after.position);
     return gap <= config_.gap_max_s;
   }
   return false;
@@ -171,7 +179,7 @@ bool JointStates::at(Time stamp, std::vector<double>& positions) const {
   if (!contradiction_.empty()) return false;
   positions.resize(tracks_.size());
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
-    if (!interpolate(tracks_[i], stamp, positions[i])) return false;
+    if (!interpolate(i, stamp, positions[i])) return false;
   }
   return true;
 }

@@ -143,14 +143,6 @@ std::string jointBeyondItsLimit(const JointTrajectory& trajectory,
 
 }  // namespace
 
-bool isTurning(const RobotModel& model, std::size_t variable) {
-  const JointVariable& limits = model.variables()[variable];
-  return !limits.lower && !limits.upper &&
-         std::none_of(model.joints().begin(), model.joints().end(), [&](const RobotJoint& joint) {
-           return joint.motion == RobotJoint::Motion::kTranslation && joint.variable == variable;
-         });
-}
-
 std::string defectOf(const JointTrajectory& trajectory, const RobotModel& model) {
   if (trajectory.names.empty()) return "it names no joint";
   if (trajectory.points.empty()) return "it has no points";
@@ -188,20 +180,24 @@ std::vector<std::size_t> variablesOf(const JointTrajectory& trajectory, const Ro
 }
 
 void makePath(const JointTrajectory& trajectory, const RobotModel& model,
-              const std::vector<double>& from, double tolerance, JointPath& path) {
+              const std::vector<double>& from, double tolerance, JointPath& path,
+              const std::vector<double>& velocities) {
   const std::vector<std::size_t> variables = variablesOf(trajectory, model);
   const JointTrajectory::Point& first = trajectory.points.front();
   std::vector<double> positions = from, shift(variables.size(), 0.0);
-  // Where it comes from, at rest, as far as the first point says anything of velocities.
+  // Where it comes from; its velocities matter only where the first point has some.
   JointTrajectory::Point start;
   start.velocities.assign(first.velocities.size(), 0.0);
   start.accelerations.assign(first.accelerations.size(), 0.0);
   for (std::size_t j = 0; j < variables.size(); ++j) {
-    if (isTurning(model, variables[j])) {
+    if (model.turnsFreely(variables[j])) {
       const double turns = (from[variables[j]] - first.positions[j]) / (2.0 * kPi);
       shift[j] = 2.0 * kPi * std::round(turns);
     }
     start.positions.push_back(from[variables[j]] - shift[j]);
+    if (!first.velocities.empty() && !velocities.empty()) {
+      start.velocities[j] = velocities[variables[j]];
+    }
   }
   path.clear();
   if (first.time_s > 0.0) {

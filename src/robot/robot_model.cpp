@@ -187,4 +187,12 @@ RobotModel RobotModel::holding(const std::vector<AttachedObject>& objects) const
   return model;
 }
 
+bool RobotModel::turnsFreely(std::size_t variable) const {
+  const JointVariable& limits = variables_[variable];
+  return !limits.lower && !limits.upper &&
+         std::none_of(joints_.begin(), joints_.end(), [variable](const RobotJoint& joint) {
+           return joint.motion == RobotJoint::Motion::kTranslation && joint.variable == variable;
+         });
+}
+
 }  // namespace tccm

@@ -288,5 +288,24 @@ TEST_F(JointStatesTest, AVelocityThatIsZeroWhilePositionsChangeIsSaidAndThatOfAH
             std::string::npos);
 }
 
+/// A joint that turns without limits, published within half a turn of 0.
+TEST(TurningJointTest, IsFollowedTheShortWayAcrossAHalfTurn) {
+  using namespace test;
+  const auto model =
+      modelOf(robotOf(linkOf("base") + ballLink("hand") +
+                      jointOf("roll", "continuous", "base", "hand", axisOf("1 0 0"))));
+  constexpr double kHalfTurn = 3.14159265358979323846;
+  JointStates joints(*model, JointStates::Config{});
+  for (int k = 0; k <= 10; ++k) {  // at 1 rad/s across the half turn
+    const double position = std::remainder(kHalfTurn - 0.05 + 0.01 * k, 2.0 * kHalfTurn);
+    joints.add(at(1.0 + 0.01 * k), {"roll"}, {position}, {});
+  }
+  ASSERT_NE(joints.latest(), nullptr);
+  EXPECT_NEAR(joints.latest()->velocities[0], 1.0, 1e-6);
+  std::vector<double> positions;
+  ASSERT_TRUE(joints.at(at(1.055), positions));
+  EXPECT_NEAR(std::remainder(positions[0] - (kHalfTurn + 0.005), 2.0 * kHalfTurn), 0.0, 1e-9);
+}
+
 }  // namespace
 }  // namespace tccm

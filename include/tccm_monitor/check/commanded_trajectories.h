@@ -17,6 +17,9 @@ namespace tccm {
 /// told, or wait.
 class CommandedTrajectories {
  public:
+  /// A way with more corners than this makes for allocation.
+  static constexpr std::size_t kWayPoints = 4096;
+
   struct Config {
     /// A robot that is further from its trajectory follows another one [rad or m].
     double deviation_max = 0.3;
@@ -32,11 +35,12 @@ class CommandedTrajectories {
   /// Takes the place of those that move one of the same joints. One without points cancels: those
   /// that move one of its joints, or all where it names none.
   /// @param positions where the robot is, one for each variable; empty: not known, and then only a
-  /// cancellation is understood.
+  /// cancellation is understood. @param velocities as makePath() takes them.
   /// @return what is wrong with it, in one line. What its joints do is not known then, until the
   /// next one for any of them.
   std::string command(Time now, const JointTrajectory& trajectory, const RobotModel& model,
-                      const std::vector<double>& positions);
+                      const std::vector<double>& positions,
+                      const std::vector<double>& velocities = {});
   void clear();
 
   /// Moves on to where the robot is; those that are done or not followed are forgotten.

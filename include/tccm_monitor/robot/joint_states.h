@@ -88,12 +88,14 @@ class JointStates {
       return ring[(next + ring.size() - 1 - k) % ring.size()];
     }
   };
-  [[nodiscard]] double differentiate(const Track& track) const;
+  /// From one position to another; of a joint that turns freely the short way.
+  [[nodiscard]] double moved(std::size_t joint, double from, double to) const;
+  [[nodiscard]] double differentiate(std::size_t joint) const;
   void lookForVelocityDefect(std::size_t joint);
   /// The larger of the reported and the differentiated.
   [[nodiscard]] double velocityOf(std::size_t joint);
   void compareWithFixed(const std::string& name, double position);
-  [[nodiscard]] bool interpolate(const Track& track, Time stamp, double& position) const;
+  [[nodiscard]] bool interpolate(std::size_t joint, Time stamp, double& position) const;
 
   Config config_;
   std::unordered_map<std::string, std::size_t> index_;
@@ -102,6 +104,7 @@ class JointStates {
   std::string contradiction_;
   std::string velocity_defect_;
   std::vector<std::string> names_;
+  std::vector<bool> turns_freely_;  ///< by joint
   std::vector<Track> tracks_;
   std::optional<Time> last_message_;
   JointSnapshot snapshot_;

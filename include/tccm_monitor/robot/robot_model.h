@@ -121,6 +121,8 @@ class RobotModel {
   [[nodiscard]] std::vector<std::string> rootLinks() const;
   [[nodiscard]] const std::vector<RobotJoint>& joints() const { return joints_; }
   [[nodiscard]] const std::vector<JointVariable>& variables() const { return variables_; }
+  /// Whether a variable is the same after a whole turn: a rotation without limits.
+  [[nodiscard]] bool turnsFreely(std::size_t variable) const;
   /// Whether the URDF has a joint of that name, also where it moves no monitored link.
   [[nodiscard]] bool hasJoint(const std::string& joint) const {
     return all_joints_.count(joint) > 0;
