@@ -77,11 +77,16 @@ void Checker::hold(std::vector<AttachedObject> objects) {
   attached_ = std::move(objects);
   checks_ = std::move(checks);
   exempt();
-  verdict_.now = {};  // its shapes are numbered as before
+  forgetFindings();
+}
+
+/// Their shapes and cuboids are numbered as before.
+void Checker::forgetFindings() {
+  verdict_.now = {};
   verdict_.ahead = {};
   verdict_.first_contact.reset();
   verdict_.clearances.clear();
-  verdict_.placed = false;
+  verdict_.placed = verdict_.collision = verdict_.occlusion = false;
 }
 
 void Checker::attach(const AttachedObject& object) {
@@ -119,8 +124,8 @@ void Checker::addExemption(Time now, const Exemption& exemption, double duration
 
 std::string Checker::command(Time now, const JointTrajectory& trajectory) {
   const JointSnapshot* joints = inputs_.placesRobot(now) ? inputs_.joints() : nullptr;
-  static const std::vector<double> kUnknown;
-  return commanded_.command(now, trajectory, *model_, joints ? joints->positions : kUnknown);
+  if (!joints) return commanded_.command(now, trajectory, *model_, {});
+  return commanded_.command(now, trajectory, *model_, joints->positions, joints->velocities);
 }
 
 void Checker::startAnew() {
@@ -159,15 +164,12 @@ const Verdict& Checker::check(Time now) {
     add({Reason::kBadTrajectory, "a commanded trajectory: " + defect}, 0.0);
   }
   verdict_.collision = verdict_.occlusion = false;
-  verdict_.first_contact.reset();
   verdict_.follows_trajectory = false;
   verdict_.placed = map && joints && inputs_.rootsKnown();
   if (verdict_.placed) {
     look(now, *joints);
   } else {
-    verdict_.now = {};
-    verdict_.ahead = {};
-    verdict_.clearances.clear();
+    forgetFindings();
   }
   decide(now);
   return verdict_;
@@ -265,7 +267,8 @@ void Checker::judgeOcclusion() {
 const Verdict& Checker::fail(Time now, const Cause& cause) {
   findings_.causes.assign(1, cause);
   findings_.touching = {};
-  findings_.known = verdict_.known = verdict_.placed = false;
+  findings_.known = verdict_.known = false;
+  forgetFindings();
   verdict_.stamp = std::max(now, verdict_.stamp);
   decide(verdict_.stamp);
   return verdict_;

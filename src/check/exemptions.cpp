@@ -16,6 +16,15 @@ UsedShapes shapesOf(const RobotModel& model, const std::string& link) {
   return model.shapesFor(use, kKeys);
 }
 
+/// There is no exemption for everything.
+void requireOneLink(const RobotModel& model, const std::string& link) {
+  const std::vector<std::size_t> shapes = shapesOf(model, link).shapes;
+  const bool is_one = std::all_of(shapes.begin(), shapes.end(), [&](std::size_t shape) {
+    return model.shapes()[shape].link == model.shapes()[shapes.front()].link;
+  });
+  if (!is_one) throw ConfigError("link: '" + link + "' means more than one link");
+}
+
 }  // namespace
 
 void Exemptions::Config::validate() const {
@@ -27,7 +36,7 @@ void Exemptions::add(Time now, const Exemption& exemption, double duration_s,
                      const RobotModel& model) {
   if (exemption.owner.empty()) throw ConfigError("owner: an exemption has to say whose it is");
   if (exemption.link.empty()) throw ConfigError("link: an exemption is for one link");
-  static_cast<void>(shapesOf(model, exemption.link));
+  requireOneLink(model, exemption.link);
   requireInRange("duration", duration_s, 0.0, config_.duration_max_s);
   validate(exemption.region.shape, "region");
   if (!isRigid(exemption.region.pose)) throw ConfigError("region: its pose is none");

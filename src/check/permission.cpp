@@ -52,7 +52,9 @@ Cause Permission::held(Time now, const Findings& findings, bool moving_out) {
             std::string(tccm::name(latched_.reason)) + " holds until reset: " + latched_.detail,
             latched_.link};
   }
-  if (!last_stop_ || moving_out) return {};
+  if (!last_stop_) return {};
+  const bool moves_out_of_it = moving_out && last_stop_reason_ != Reason::kCollisionAhead;
+  if (moves_out_of_it || (moving_out && is_suspended)) return {};
   const Duration release = std::max(fromSeconds(config_.release_s), findings.window);
   if (now - *last_stop_ >= release && clear_checks_ >= config_.release_checks) {
     last_stop_.reset();
@@ -88,6 +90,7 @@ const Permission::Decision& Permission::decide(Time now, Findings& findings) {
   // What is not known to be clear does not count towards the release.
   if (last_stop_ ? is_stop || moving_out : needsRelease(worst)) {
     last_stop_ = now;
+    if (is_stop) last_stop_reason_ = worst.reason;
     clear_checks_ = 0;
   } else if (last_stop_) {
     ++clear_checks_;

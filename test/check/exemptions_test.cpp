@@ -134,6 +134,7 @@ TEST_F(ExemptionsTest, WhatIsWrongWithOneIsNamedAndNothingChanges) {
   EXPECT_TRUE(test::names(refusal(exemptionFor("other", "")), "owner"));
   EXPECT_TRUE(test::names(refusal(exemptionFor("")), "link"));
   EXPECT_TRUE(test::names(refusal(exemptionFor("foot")), "foot"));
+  EXPECT_TRUE(test::names(refusal(exemptionFor("*")), "more than one")) << "none for everything";
   EXPECT_TRUE(test::names(refusal(exemptionFor("base")), "base")) << "it has no primitive";
   for (const double duration : {-0.1, 60.1, kNaN, HUGE_VAL}) {
     EXPECT_TRUE(test::names(refusal(exemptionFor("other"), duration), "duration")) << duration;

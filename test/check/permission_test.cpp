@@ -196,6 +196,23 @@ TEST_F(PermissionTest, ComingOutOfAHidingPlaceDoesNotLiftACollisionThatHolds) {
   EXPECT_EQ(permission_.decide(at(now_ + 0.02), findings).worst.reason, Reason::kAwaitingReset);
 }
 
+TEST_F(PermissionTest, ComingOutOfAHidingPlaceDoesNotCutTheReleaseOfAContactAheadShort) {
+  const Cause comes_out{Reason::kMovingOut, "hand comes out of where it is hidden", "hand"};
+  const auto decideOnWayOut = [&] {
+    Permission::Findings findings;
+    findings.causes = {comes_out};
+    findings.known = true;
+    findings.speed_scale = 0.2;
+    findings.window = fromSeconds(1.0);
+    return permission_.decide(at(now_), findings).worst.reason;
+  };
+  decideUntil(100.5, {kAhead});
+  EXPECT_EQ(decideOnWayOut(), Reason::kReleasing);
+  permission_.startAnew();
+  decideUntil(now_ + 0.5, {{Reason::kOcclusion, "hand is hidden", "hand"}});
+  EXPECT_EQ(decideOnWayOut(), Reason::kMovingOut) << "out of what stopped it";
+}
+
 TEST_F(PermissionTest, AFaultThatIsOverIsResetInContactSoThatTheRobotCanMoveOut) {
   decide({});
   now_ += 0.02;

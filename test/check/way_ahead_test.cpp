@@ -137,6 +137,19 @@ TEST_F(WayAheadTest, ATrajectoryThatIsNotUnderstoodStopsTheRobotUntilTheNext) {
   EXPECT_EQ(check(kStart + 0.001).reason, Reason::kReleasing);
 }
 
+TEST_F(WayAheadTest, WhereTheCheckFailedNothingOfTheOneBeforeStandsIn) {
+  EXPECT_TRUE(touchingIn(0.25).first_contact);
+  const Verdict& failed = checker_->fail(at(kStart + 0.01), {Reason::kInternal, "out of memory"});
+  EXPECT_EQ(failed.reason, Reason::kInternal);
+  EXPECT_EQ(failed.level, Level::kFault);
+  EXPECT_FALSE(failed.known || failed.placed);
+  EXPECT_FALSE(failed.first_contact);
+  EXPECT_TRUE(failed.now.links.empty() && failed.ahead.contacts.empty());
+  EXPECT_TRUE(failed.clearances.empty());
+  EXPECT_EQ(failed.speed_scale, 0.0);
+  EXPECT_NE(checker_->reset(), "") << "it lasts until a check succeeds";
+}
+
 TEST_F(WayAheadTest, AHiddenLinkOnlySlowsDownWhereThatIsConfigured) {
   config_.occlusion_stops = false;
   remake();

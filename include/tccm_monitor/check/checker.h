@@ -140,6 +140,7 @@ class Checker {
                                    const std::string& what) const;
   void add(Cause cause, double speed_scale);
   void decide(Time now);
+  void forgetFindings();
 
   std::shared_ptr<const RobotModel> model_;
   Config config_;

@@ -14,7 +14,7 @@ namespace tccm {
 /// For a while a link may touch what lies in a region: to grasp, to dock.
 struct Exemption {
   std::string owner;
-  std::string link;    ///< name or pattern
+  std::string link;    ///< name, or a pattern that means one link
   PlacedShape region;  ///< in the fixed frame
   Time until;
 };

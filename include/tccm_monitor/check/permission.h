@@ -66,7 +66,8 @@ class Permission {
   Config config_;
   bool was_known_ = false;         ///< since the start: what is missing before is no stop
   std::optional<Time> last_stop_;  ///< the last check that was not clear, INIT apart
-  int clear_checks_ = 0;           ///< since then
+  Reason last_stop_reason_ = Reason::kClear;  ///< what stopped it last
+  int clear_checks_ = 0;                      ///< since then
   Cause latched_;
   Cause touching_;                   ///< as of the last check
   Reason lasting_ = Reason::kClear;  ///< what speaks against a reset, as of the last check
