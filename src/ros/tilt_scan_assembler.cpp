@@ -185,11 +185,12 @@ void TiltScanAssembler::diagnose(diagnostic_updater::DiagnosticStatusWrapper& st
     status.summary(DiagnosticStatus::ERROR, "no scan yet");
   } else if (silence > 1.0) {
     status.summaryf(DiagnosticStatus::ERROR, "no scan for %.1f s", silence);
-  } else if (source_->droppedCount() > 0) {
-    status.summary(DiagnosticStatus::WARN, "scans were dropped");
+  } else if (source_->droppedCount() > dropped_diagnosed_) {
+    status.summary(DiagnosticStatus::WARN, "scans were dropped lately");
   } else {
     status.summary(DiagnosticStatus::OK, "scans are assembled");
   }
+  dropped_diagnosed_ = source_->droppedCount();
   status.add("scans received", received_);
   status.add("scans assembled", assembled_count_);
   status.add("scans waiting", source_->waiting());

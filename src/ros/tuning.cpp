@@ -1,5 +1,7 @@
 #include "tccm_monitor/ros/tuning.h"
 
+#include <algorithm>
+
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
@@ -41,13 +43,20 @@ Checker::Config configOf(const Tuning::Values& values, Checker::Config config) {
   return config;
 }
 
-/// Less than what the robot was started with may be a slip of a slider: a robot must not lose its
-/// padding while it moves.
+/// A slip of a slider must not take away what keeps a moving robot safe: no less than a floor,
+/// unless it was configured lower.
 void refuseUnsafe(const CheckerSettings& settings, const Checker::Config& wanted) {
+  const Checker::Config& now = settings.checker;
+  const double padding_now = now.pose.collision_use.expansion.padding_m;
   requireInRange("collision_padding_m", wanted.pose.collision_use.expansion.padding_m,
-                 settings.tuning_padding_min_m, 1.0);
-  requireInRange("stop_time_s", wanted.way.stop_time_s, settings.tuning_stop_time_min_s, 10.0);
-  requireInRange("horizon_s", wanted.way.horizon_s, wanted.way.stop_time_s, 10.0);
+                 std::min(settings.tuning_padding_min_m, padding_now), 1.0);
+  requireInRange("stop_time_s", wanted.way.stop_time_s,
+                 std::min(settings.tuning_stop_time_min_s, now.way.stop_time_s), 10.0);
+  requireInRange("horizon_s", wanted.way.horizon_s,
+                 std::min(wanted.way.stop_time_s, now.way.horizon_s), 10.0);
+  if (now.pose.check_occlusion && !wanted.pose.check_occlusion) {
+    throw ConfigError("check_occlusion: cannot be switched off while the checker runs");
+  }
 }
 
 }  // namespace
@@ -66,11 +75,7 @@ void Tuning::change(Values& wanted) {
   const Values now = valuesOf(settings_, wanted);
   const Checker::Config config = configOf(wanted, settings_.checker);
   try {
-    // At the start what is configured is what is wanted, however little it is.
-    const bool is_start = wanted.collision_padding_m == now.collision_padding_m &&
-                          wanted.stop_time_s == now.stop_time_s &&
-                          wanted.horizon_s == now.horizon_s;
-    if (!is_start) refuseUnsafe(settings_, config);
+    refuseUnsafe(settings_, config);
     checker_.reconfigure(config);
     settings_.checker = config;
     settings_.check_time_max_periods = wanted.check_time_max_periods;

@@ -10,6 +10,7 @@
 #include <trajectory_msgs/JointTrajectory.h>
 
 #include <array>
+#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -30,12 +31,13 @@ namespace tccm {
 /// with each new map and when it gets worse. All its callbacks run one after the other.
 class CollisionChecker : public nodelet::Nodelet {
  private:
-  /// How long scans take.
+  /// How long scans take; NaN where that is not known.
   struct Latencies {
-    double scan_to_verdict_s = 0.0;   ///< from the newest scan's last beam to the first check of it
-    double transform_wait_s = 0.0;    ///< of that scan
-    double ready_to_verdict_s = 0.0;  ///< from when scan and transforms were there
-    double longest_s = 0.0;           ///< of the last, forgotten slowly
+    static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+    double scan_to_verdict_s = kUnknown;   ///< from the newest scan's last beam to the first check
+    double transform_wait_s = kUnknown;    ///< of that scan
+    double ready_to_verdict_s = kUnknown;  ///< from when scan and transforms were there
+    double longest_s = 0.0;                ///< of the last, forgotten slowly
   };
 
   void onInit() override;

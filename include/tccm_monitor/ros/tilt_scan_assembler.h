@@ -58,6 +58,7 @@ class TiltScanAssembler : public nodelet::Nodelet {
   std::size_t received_ = 0;
   std::size_t assembled_count_ = 0;
   std::size_t dropped_last_ = 0;
+  std::size_t dropped_diagnosed_ = 0;
   std::size_t future_joints_ = 0;
   ros::Time last_scan_;
   BeamCounts beams_{};
