@@ -12,8 +12,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from tccm_monitor.msg import MotionPermission
 
 sys.dont_write_bytecode = True
-sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from program import REPOSITORY  # noqa: E402
+REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 
 sys.path.insert(0, str(REPOSITORY / "examples"))
 from guarded_motion import (CHECKING, HELD, IDLE, MOVING, REFUSED, BadGoal, GoalPath,  # noqa: E402
