@@ -4,7 +4,6 @@ seen of it, the status and the markers."""
 
 import math
 import time
-import unittest
 
 import numpy
 import rospy
@@ -13,6 +12,7 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from monitor_recorder import Recorder, wait_for_nodelets
+from named_subtests import NamedSubTests
 from tccm_monitor.msg import AttachedObject, AttachedObjects, CuboidMap, Primitive
 from tccm_monitor.srv import AttachObject, CheckState, CheckStateResponse, DetachObject
 
@@ -80,7 +80,7 @@ def hand_by_tf():
     return pose
 
 
-class AttachTest(unittest.TestCase):
+class AttachTest(NamedSubTests):
     @classmethod
     def setUpClass(cls):
         cls.recorder, cls.unheard = Recorder(), Recorder("unheard/")

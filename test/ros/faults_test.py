@@ -3,14 +3,13 @@
 in time, nothing is permitted and nothing clear while it lasts, and the robot moves again only after
 a reset."""
 
-import unittest
-
 import rospy
 import rostest
 
 from gated_robot import GatedRobot, wait_for
 from input_faults import FAULTS
 from monitor_recorder import FLAGS, PUBLISH_PERIOD, SLACK
+from named_subtests import NamedSubTests
 from tccm_monitor.msg import MotionPermission
 
 LASTS = 0.25  # seconds that each fault goes on after it was found
@@ -70,7 +69,7 @@ class Episode:
             flag, self.found.header.stamp.to_sec() + FLAG_DELAY, self.end)
 
 
-class FaultsTest(unittest.TestCase):
+class FaultsTest(NamedSubTests):
     @classmethod
     def setUpClass(cls):
         cls.robot = GatedRobot()

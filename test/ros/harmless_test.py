@@ -2,8 +2,6 @@
 """One message that is lost or worth nothing is dropped and counted, and the robot moves on; so it
 does where several publishers send parts of the joint states."""
 
-import unittest
-
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
@@ -13,6 +11,7 @@ from gated_robot import GatedRobot, wait_for
 from input_faults import (BAD_JOINTS, BAD_SCANS, BAD_TRANSFORMS, NAN, parts_of,
                           with_list)
 from input_gate import dated, nothing
+from named_subtests import NamedSubTests
 from tccm_monitor.msg import CuboidMap, MotionPermission, ScanReport
 
 WATCHED = 0.3  # seconds after each
@@ -52,7 +51,7 @@ class Watch:
                 return
 
 
-class HarmlessTest(unittest.TestCase):
+class HarmlessTest(NamedSubTests):
     @classmethod
     def setUpClass(cls):
         cls.robot = GatedRobot()

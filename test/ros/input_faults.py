@@ -251,7 +251,8 @@ FAULTS = {
     "scan": {
         "stopped": scans(nothing),
         "late": scans(delayed(1.0)),
-        "stamped before all transforms": scans(dated(-3600.0), "NO_TRANSFORM"),
+        "stamped before all transforms": scans(dated(-3600.0), "NO_TRANSFORM",
+                                              TRANSFORM_LIMIT),
         "stamped in the future": scans(dated(1.0), "FUTURE_STAMP"),
         "frozen": scans(frozen(), limit=MAP_LIMIT + SCAN_PERIOD),
         "of a frame that nobody knows": scans(

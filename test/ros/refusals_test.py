@@ -11,7 +11,6 @@ import struct
 import subprocess
 import tempfile
 import time
-import unittest
 
 import rosnode
 import rospkg
@@ -19,6 +18,7 @@ import rospy
 import rostest
 
 from monitor_recorder import Recorder
+from named_subtests import NamedSubTests
 from tccm_monitor.msg import MonitorStatus
 
 PACKAGE = rospkg.RosPack().get_path("tccm_monitor")
@@ -110,7 +110,7 @@ def console_of(process):
     return re.sub("\x1b\\[[0-9;]*m", "", output).splitlines()
 
 
-class RefusalsTest(unittest.TestCase):
+class RefusalsTest(NamedSubTests):
     @classmethod
     def setUpClass(cls):
         cls.recorders = {namespace: Recorder(f"/{namespace}/") for namespace in CASES}

@@ -2,8 +2,6 @@
 """Joint states lack velocities, or say 0 while the robot moves: said once, and the obstacle ahead
 is found from the positions."""
 
-import unittest
-
 import rospy
 import rostest
 from rosgraph_msgs.msg import Log
@@ -12,6 +10,7 @@ from sensor_msgs.msg import JointState
 from input_faults import with_fields, with_list
 from input_gate import Gate
 from monitor_recorder import START, Recorder, Recording, wait_for_nodelets
+from named_subtests import NamedSubTests
 
 SETTLED = START + 2.6
 PATIENCE = 0.15  # after the first beam on the obstacle: it takes three returns
@@ -21,7 +20,7 @@ SAID = {"missing": "is published without a velocity",
         "zero": "is published with velocity 0 while it moves"}
 
 
-class VelocitiesTest(unittest.TestCase):
+class VelocitiesTest(NamedSubTests):
     @classmethod
     def setUpClass(cls):
         cls.log = []

@@ -68,6 +68,12 @@ class SummaryTest(unittest.TestCase):
         self.assertEqual(status, 1)
         self.assertEqual(lines[-1], "1 passed, 1 failed, 0 skipped")
 
+    def test_a_failure_of_no_test_case_fails(self):
+        self.write("rosunit-run.xml", '<testsuite failures="1"><testcase name="runs"/></testsuite>')
+        status, lines = self.summary()
+        self.assertEqual(status, 1)
+        self.assertEqual(lines[-1], "1 passed, 1 failed, 0 skipped")
+
     def test_a_run_without_tests_fails(self):
         self.assertEqual(self.summary(), (1, ["0 passed, 0 failed, 0 skipped"]))
 
