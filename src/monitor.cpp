@@ -5,13 +5,24 @@
 
 namespace tccm {
 
+std::optional<Look::End> lookOf(BeamKind kind) {
+  if (kind == BeamKind::kReturn) return Look::End::kSurface;
+  if (kind == BeamKind::kNoReturn) return Look::End::kNothing;
+  if (kind == BeamKind::kSelf) return Look::End::kRobot;
+  return std::nullopt;
+}
+
 void takeReturns(const AssembledScan& scan, ScanReturns& returns) {
   returns.stamp = scan.stamp;
   returns.tilt = scan.beams.front().tilt;
   returns.viewpoint = scan.beams.back().viewpoint;
   returns.points.clear();
+  returns.looks.clear();
   for (const Beam& beam : scan.beams) {
     if (beam.kind == BeamKind::kReturn) returns.points.push_back(beam.p_fixed);
+    if (const auto what = lookOf(beam.kind)) {
+      returns.looks.push_back({beam.viewpoint, beam.p_fixed, *what});
+    }
   }
 }
 

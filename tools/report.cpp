@@ -152,12 +152,11 @@ void dumpPoints(const Monitor& monitor, CsvFile& file) {
 }
 
 void dumpCuboids(const CuboidMap& map, CsvFile& file) {
-  constexpr int kHeld = 0;  // every cuboid of the live layer was seen in the window
   for (const Cuboid& cuboid : map.cuboids) {
     const Eigen::Vector2d centre = map.grid.centre(cuboid.cell);
     file.line("%.6f,%.6f,%.6f,%.6f,%u,%u,%d", centre.x(), centre.y(),
               map.grid.metres(cuboid.bottom), map.grid.metres(cuboid.top), cuboid.age_scans,
-              cuboid.dyn, kHeld);
+              cuboid.dyn, cuboid.held ? 1 : 0);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "tccm_monitor/check/checker.h"
@@ -10,6 +11,10 @@
 #include "tccm_monitor/scan/scan_assembler.h"
 
 namespace tccm {
+
+/// What a beam's look ended on; nothing where it says nothing of the space along it: it measured
+/// nothing, lies between two surfaces or in the robot's shadow.
+[[nodiscard]] std::optional<Look::End> lookOf(BeamKind kind);
 
 /// The map's part of an assembled scan. Reuses the memory of `returns`.
 void takeReturns(const AssembledScan& scan, ScanReturns& returns);

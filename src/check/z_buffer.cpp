@@ -11,71 +11,23 @@ namespace {
 
 using view::AngularBounds;
 using view::cornerBounds;
-using view::cross;
 using view::Entry;
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr ZBuffer::Pixel kEmpty{std::numeric_limits<float>::infinity(), 0, false};
 
-constexpr int kBins = 4096;
 constexpr int kNarrow = 2;  // columns on either side of its middle that most cuboids reach at most
-
-/// Rises with the angle of (x, y) like std::atan2, from -2 to 2, at a fraction of the cost: the
-/// place on the square |x| + |y| = 1.
-double squareAngle(double x, double y) {
-  const double quarter = y / (std::abs(x) + std::abs(y));
-  if (x >= 0.0) return quarter;
-  return y >= 0.0 ? 2.0 - quarter : -2.0 - quarter;
-}
-
-/// The direction at a square angle.
-Eigen::Vector2d squareDirection(double angle) {
-  if (angle > 1.0) return {1.0 - angle, 2.0 - angle};
-  if (angle < -1.0) return {1.0 + angle, -2.0 - angle};
-  return {1.0 - std::abs(angle), angle};
-}
-
-/// Of kBins equal parts of the square angles from lowest to -lowest.
-std::size_t binOf(double angle, double lowest) {
-  const int bin = static_cast<int>((angle - lowest) * (kBins / (-2.0 * lowest)));
-  return static_cast<std::size_t>(std::clamp(bin, 0, kBins - 1));
-}
-
-/// Rounding must not put a direction at a bin's very start into a row or column too high.
-double binStart(int bin, double lowest) { return lowest - (2.0 * lowest * bin) / kBins - 1e-9; }
 
 }  // namespace
 
 ZBuffer::ZBuffer(double resolution)
-    : resolution_(kPi / std::ceil(kPi / resolution)),
-      rows_(static_cast<int>(std::lround(kPi / resolution_))),
-      columns_(2 * rows_),
-      rows_a_pixel_(1.0 / columns_),
-      narrow_sine_(std::sin(std::min(kNarrow * resolution_, 0.25 * kPi))),
-      pixels_(static_cast<std::size_t>(rows_ * columns_), kEmpty),
-      level_rays_(static_cast<std::size_t>(columns_)),
-      column_farthest_(static_cast<std::size_t>(columns_), 0.0F),
-      neighbours_farthest_(static_cast<std::size_t>(columns_), 0.0F) {
+    : grid_(resolution),
+      narrow_sine_(std::sin(std::min(kNarrow * grid_.resolution(), 0.25 * kPi))),
+      pixels_(grid_.pixels(), kEmpty),
+      level_rays_(static_cast<std::size_t>(grid_.columns())),
+      column_farthest_(static_cast<std::size_t>(grid_.columns()), 0.0F),
+      neighbours_farthest_(static_cast<std::size_t>(grid_.columns()), 0.0F) {
   drawn_.reserve(pixels_.size());
-  for (int row = 0; row < rows_; ++row) {
-    const double elevation = (row + 0.5) * resolution_ - 0.5 * kPi;
-    cosines_.push_back(std::cos(elevation));
-    sines_.push_back(std::sin(elevation));
-    tangents_.push_back(std::tan(elevation));
-    row_borders_.push_back(std::tan(row * resolution_ - 0.5 * kPi));
-  }
-  for (int column = 0; column < columns_; ++column) {
-    const double azimuth = column * resolution_ - kPi;
-    column_borders_.emplace_back(std::cos(azimuth), std::sin(azimuth));
-    const double middle = (column + 0.5) * resolution_ - kPi;
-    column_middles_.emplace_back(std::cos(middle), std::sin(middle));
-  }
-  for (int bin = 0; bin < kBins; ++bin) {
-    const Eigen::Vector2d slope = squareDirection(std::max(-1.0, binStart(bin, -1.0)));
-    bin_rows_.push_back(rowOf(std::atan2(slope.y(), slope.x())));
-    const Eigen::Vector2d level = squareDirection(std::max(-2.0, binStart(bin, -2.0)));
-    bin_columns_.push_back(columnOf(bin == 0 ? -kPi : std::atan2(level.y(), level.x())));
-  }
 }
 
 void ZBuffer::begin(const Vector3& viewpoint) {
@@ -85,44 +37,8 @@ void ZBuffer::begin(const Vector3& viewpoint) {
   std::fill(column_farthest_.begin(), column_farthest_.end(), 0.0F);
   neighbours_known_ = false;
   farthest_ = 0.0F;
-  lowest_row_ = rows_;
+  lowest_row_ = grid_.rows();
   highest_row_ = -1;
-}
-
-int ZBuffer::rowOf(double elevation) const {
-  const auto row = static_cast<int>(std::floor((elevation + 0.5 * kPi) / resolution_));
-  return std::clamp(row, 0, rows_ - 1);
-}
-
-int ZBuffer::rowOfSlope(double level, double height) const {
-  int row = bin_rows_[binOf(squareAngle(level, height), -1.0)];
-  while (row + 1 < rows_ && height >= level * row_borders_[static_cast<std::size_t>(row + 1)]) {
-    ++row;
-  }
-  return row;
-}
-
-int ZBuffer::columnOf(double azimuth) const {
-  return static_cast<int>(std::floor((azimuth + kPi) / resolution_));
-}
-
-int ZBuffer::columnOfDirection(const Eigen::Vector2d& direction) const {
-  int column = bin_columns_[binOf(squareAngle(direction.x(), direction.y()), -2.0)];
-  while (column + 1 < columns_ &&
-         cross(column_borders_[static_cast<std::size_t>(column + 1)], direction) >= 0.0) {
-    ++column;
-  }
-  return column;
-}
-
-int ZBuffer::columnFrom(int column, const Eigen::Vector2d& direction) const {
-  const auto isLeftOf = [&](int border) {
-    return cross(column_borders_[static_cast<std::size_t>(border)], direction) >= 0.0;
-  };
-  const auto next = [this](int c) { return c + 1 < columns_ ? c + 1 : 0; };
-  while (!isLeftOf(column)) column = column > 0 ? column - 1 : columns_ - 1;
-  while (isLeftOf(next(column))) column = next(column);
-  return column;
 }
 
 ZBuffer::Window ZBuffer::windowOf(const Shape& shape, const Pose& T_fixed_shape) const {
@@ -130,20 +46,21 @@ ZBuffer::Window ZBuffer::windowOf(const Shape& shape, const Pose& T_fixed_shape)
   const double range = to_shape.norm();
   const double radius = boundingRadius(shape);
   const AngularBounds angles = cornerBounds(shape, T_fixed_shape, to_shape);
-  Window window{rowOf(angles.elevation_low), rowOf(angles.elevation_high) + 1, 0, columns_};
+  Window window{grid_.rowOf(angles.elevation_low), grid_.rowOf(angles.elevation_high) + 1, 0,
+                grid_.columns()};
   if (angles.azimuth) {
     const double azimuth = std::atan2(to_shape.y(), to_shape.x());
-    const int first = columnOf(azimuth + angles.azimuth->low);
-    const int last = columnOf(azimuth + angles.azimuth->high);
-    const int turn = first < 0 ? columns_ : first >= columns_ ? -columns_ : 0;
+    const int first = grid_.columnOf(azimuth + angles.azimuth->low);
+    const int last = grid_.columnOf(azimuth + angles.azimuth->high);
+    const int turn = first < 0 ? grid_.columns() : first >= grid_.columns() ? -grid_.columns() : 0;
     window.column_begin = first + turn;
     window.column_end = last + turn + 1;
   }
   if (range <= radius) return window;
   const double elevation = std::asin(std::clamp(to_shape.z() / range, -1.0, 1.0));
   const double angular_radius = std::asin(radius / range);
-  window.row_begin = std::max(window.row_begin, rowOf(elevation - angular_radius));
-  window.row_end = std::min(window.row_end, rowOf(elevation + angular_radius) + 1);
+  window.row_begin = std::max(window.row_begin, grid_.rowOf(elevation - angular_radius));
+  window.row_end = std::min(window.row_end, grid_.rowOf(elevation + angular_radius) + 1);
   return window;
 }
 
@@ -160,10 +77,10 @@ void ZBuffer::draw(const Shape& shape, const Pose& T_fixed_shape, std::uint32_t 
 
 void ZBuffer::findNeighbours() {
   constexpr int kMargin = kNarrow + 1;
-  for (int c = 0; c < columns_; ++c) {
+  for (int c = 0; c < grid_.columns(); ++c) {
     float farthest = 0.0F;
     for (int k = c - kMargin; k <= c + kMargin; ++k) {
-      const int column = k < 0 ? k + columns_ : k < columns_ ? k : k - columns_;
+      const int column = grid_.wrapped(k);
       farthest = std::max(farthest, column_farthest_[static_cast<std::size_t>(column)]);
     }
     neighbours_farthest_[static_cast<std::size_t>(c)] = farthest;
@@ -185,21 +102,21 @@ void ZBuffer::drawIn(const Window& window, const Solid& solid, const Pose& T_fix
   // A ray's direction is its column's, level with the viewpoint, times the cosine of its row's
   // elevation, and upwards by the sine.
   for (int c = window.column_begin; c < window.column_end; ++c) {
-    const auto column = static_cast<std::size_t>(c < columns_ ? c : c - columns_);
-    const Eigen::Vector2d& level = column_middles_[column];
+    const auto column = static_cast<std::size_t>(grid_.wrapped(c));
+    const Eigen::Vector2d& level = grid_.columnMiddle(static_cast<int>(column));
     level_rays_[column] = {R_shape_fixed.leftCols<2>() * level, to_shape.head<2>().dot(level)};
   }
   for (int row = window.row_begin; row < window.row_end; ++row) {
-    Pixel* pixels = &pixels_[static_cast<std::size_t>(row * columns_)];
-    const double cosine = cosines_[static_cast<std::size_t>(row)];
-    const double sine = sines_[static_cast<std::size_t>(row)];
+    Pixel* pixels = &pixels_[static_cast<std::size_t>(row * grid_.columns())];
+    const double cosine = grid_.cosine(row);
+    const double sine = grid_.sine(row);
     const Vector3 upwards = R_shape_fixed.col(2) * sine;
     const double along_level_least = along_least - to_shape.z() * sine;
     // Rounded up, so that nothing is left out that stands just in front.
     const auto level = static_cast<float>(cosine * (1.0 + 1e-6));
     bool any = false;
     for (int c = window.column_begin; c < window.column_end; ++c) {
-      const int column = c < columns_ ? c : c - columns_;
+      const int column = grid_.wrapped(c);
       const LevelRay& ray = level_rays_[static_cast<std::size_t>(column)];
       Pixel& pixel = pixels[column];
       if (pixel.depth < depth_min || cosine * ray.along < along_level_least) continue;
@@ -237,9 +154,9 @@ std::optional<ZBuffer::Silhouette> ZBuffer::silhouette(const CuboidMap& map, std
   s.far = range + half_diagonal;
   s.bottom = map.grid.metres(c.bottom) - viewpoint_.z();
   s.top = map.grid.metres(c.top) - viewpoint_.z();
-  s.column_end = columns_;
+  s.column_end = grid_.columns();
   if (range > half_diagonal) {
-    const int middle = columnOfDirection(centre);
+    const int middle = grid_.columnOfDirection(centre);
     const bool is_narrow = half_diagonal < range * narrow_sine_;
     if (is_narrow && neighbours_farthest_[static_cast<std::size_t>(middle)] <= s.near) {
       return std::nullopt;
@@ -248,40 +165,40 @@ std::optional<ZBuffer::Silhouette> ZBuffer::silhouette(const CuboidMap& map, std
     const double length = std::sqrt(range * range - half_diagonal * half_diagonal);
     const Eigen::Vector2d across = half_diagonal * Eigen::Vector2d(-centre.y(), centre.x());
     const Eigen::Vector2d right = length * centre - across, left = length * centre + across;
-    s.column_begin = is_narrow ? columnFrom(middle, right) : columnOfDirection(right);
-    s.column_end = (is_narrow ? columnFrom(middle, left) : columnOfDirection(left)) + 1;
-    if (s.column_end <= s.column_begin) s.column_end += columns_;
+    s.column_begin = is_narrow ? grid_.columnFrom(middle, right) : grid_.columnOfDirection(right);
+    s.column_end = (is_narrow ? grid_.columnFrom(middle, left) : grid_.columnOfDirection(left)) + 1;
+    if (s.column_end <= s.column_begin) s.column_end += grid_.columns();
     if (!reachesBehind(s)) return std::nullopt;
   }
-  s.row_begin = std::max(rowOfSlope(s.bottom < 0.0 ? s.near : s.far, s.bottom), lowest_row_);
-  s.row_end = std::min(rowOfSlope(s.top < 0.0 ? s.far : s.near, s.top), highest_row_) + 1;
+  s.row_begin = std::max(grid_.rowOfSlope(s.bottom < 0.0 ? s.near : s.far, s.bottom), lowest_row_);
+  s.row_end = std::min(grid_.rowOfSlope(s.top < 0.0 ? s.far : s.near, s.top), highest_row_) + 1;
   if (s.row_begin >= s.row_end) return std::nullopt;
   return s;
 }
 
 bool ZBuffer::reachesBehind(const Silhouette& s) const {
   for (int c = s.column_begin; c < s.column_end; ++c) {
-    const int column = c < columns_ ? c : c - columns_;
+    const int column = grid_.wrapped(c);
     if (column_farthest_[static_cast<std::size_t>(column)] > s.near) return true;
   }
   return false;
 }
 
 double ZBuffer::depthOf(const Silhouette& s, int row) const {
-  const double tangent = tangents_[static_cast<std::size_t>(row)];
+  const double tangent = grid_.tangent(row);
   double range = s.near;
   if (tangent < 0.0 && range * tangent > s.top) range = s.top / tangent;
   if (tangent > 0.0 && range * tangent < s.bottom) range = s.bottom / tangent;
-  return std::clamp(range, s.near, s.far) / cosines_[static_cast<std::size_t>(row)];
+  return std::clamp(range, s.near, s.far) / grid_.cosine(row);
 }
 
 bool ZBuffer::cover(const Silhouette& s, double margin) {
   bool any = false;
   for (int row = s.row_begin; row < s.row_end; ++row) {
     const auto limit = static_cast<float>(depthOf(s, row) + margin);
-    Pixel* pixels = &pixels_[static_cast<std::size_t>(row * columns_)];
+    Pixel* pixels = &pixels_[static_cast<std::size_t>(row * grid_.columns())];
     for (int c = s.column_begin; c < s.column_end; ++c) {
-      Pixel& pixel = pixels[c < columns_ ? c : c - columns_];
+      Pixel& pixel = pixels[grid_.wrapped(c)];
       if (std::isinf(pixel.depth) || pixel.depth <= limit) continue;
       pixel.covered = true;
       any = true;

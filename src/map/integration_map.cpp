@@ -34,7 +34,9 @@ IntegrationMap::IntegrationMap(const Config& config)
       // Layers as thick as a return: returns of two cuboids never share one.
       counts_(grid_, thickness_),
       ring_(config.scans_max, config.returns_max),
-      losses_(grid_.cells()) {}
+      losses_(grid_.cells()) {
+  leaving_.reserve(config.intervals_max);
+}
 
 IntegrationMap::Added IntegrationMap::add(Time stamp, const std::vector<Vector3>& returns) {
   if (ring_.full()) expireOldest();
@@ -74,14 +76,32 @@ bool IntegrationMap::insert(const MappedReturn& entry) {
   return true;
 }
 
-void IntegrationMap::expireOldest() {
+const std::vector<IntegrationMap::Leaving>& IntegrationMap::expireOldest() {
   const std::uint32_t serial = ring_.oldestSerial();
+  leaving_.clear();
+  // While all returns are still counted.
   CellIndex last = grid_.cells();  // neighbouring beams often fall into one cell
-  ring_.dropOldest([&](const MappedReturn& entry) {
-    counts_.remove(entry.cell, entry.height);
-    if (entry.cell != last) columns_.expire(entry.cell, serial);
+  ring_.visitOldest([&](const MappedReturn& entry) {
+    if (entry.cell != last) {
+      noteLeaving(entry.cell, serial);
+      columns_.expire(entry.cell, serial);
+    }
     last = entry.cell;
   });
+  ring_.visitOldest(
+      [this](const MappedReturn& entry) { counts_.remove(entry.cell, entry.height); });
+  ring_.dropOldest();
+  return leaving_;
+}
+
+void IntegrationMap::noteLeaving(CellIndex cell, std::uint32_t serial) {
+  for (std::uint32_t i = columns_.first(cell); i != Columns::kNone; i = columns_.interval(i).next) {
+    const Columns::Interval& interval = columns_.interval(i);
+    if (interval.serial != serial) continue;
+    const Columns::Heights heights{interval.bottom, interval.top};
+    leaving_.push_back(
+        {cell, heights, std::max(1U, pointsIn(cell, heights)), serial, interval.born});
+  }
 }
 
 std::size_t IntegrationMap::forget(const Region& region, Time until) {
@@ -165,18 +185,41 @@ bool IntegrationMap::overflowed() const {
 
 std::size_t IntegrationMap::memoryBytes() const {
   return columns_.memoryBytes() + counts_.memoryBytes() + ring_.memoryBytes() +
-         forgotten_.memoryBytes() + losses_.capacity() * sizeof(Loss);
+         forgotten_.memoryBytes() + losses_.capacity() * sizeof(Loss) +
+         leaving_.capacity() * sizeof(Leaving);
 }
 
-Cuboid IntegrationMap::finished(Cuboid cuboid, std::uint32_t born) const {
-  cuboid.age_scans = serial_ - born;
-  cuboid.dyn = cuboid.age_scans / static_cast<std::uint32_t>(std::max<std::size_t>(1, scans()));
-  cuboid.points =
-      counts_.sum(cuboid.cell, static_cast<Height>(cuboid.bottom + thickness_), cuboid.top);
+std::uint32_t IntegrationMap::pointsIn(CellIndex cell, Columns::Heights heights) const {
+  // Returns lie at the tops of what they occupy.
+  const auto lowest = static_cast<Height>(heights.bottom + thickness_);
+  return lowest <= heights.top ? counts_.sum(cell, lowest, heights.top) : 0;
+}
+
+Cuboid IntegrationMap::finished(Cuboid cuboid, std::uint32_t age) const {
+  cuboid.age_scans = age;
+  cuboid.dyn = age / static_cast<std::uint32_t>(std::max<std::size_t>(1, scans()));
   return cuboid;
 }
 
-void IntegrationMap::snapshot(CuboidMap& map) const {
+void IntegrationMap::appendLive(CellIndex cell, CuboidMap& map) const {
+  std::uint32_t i = columns_.first(cell);
+  while (i != Columns::kNone) {
+    Cuboid cuboid;
+    cuboid.cell = cell;
+    cuboid.bottom = cuboid.top = columns_.interval(i).bottom;
+    std::uint32_t age = 0;
+    // Touching intervals are one cuboid, or the list would depend on how it came about.
+    for (; i != Columns::kNone && columns_.interval(i).bottom == cuboid.top;
+         i = columns_.interval(i).next) {
+      cuboid.top = columns_.interval(i).top;
+      age = std::max(age, serial_ - columns_.interval(i).born);
+    }
+    cuboid.points = pointsIn(cell, {cuboid.bottom, cuboid.top});
+    map.cuboids.push_back(finished(cuboid, age));
+  }
+}
+
+void IntegrationMap::snapshot(CuboidMap& map, const HeldLayer& held) const {
   map.grid = grid_;
   map.stamp = newest_stamp_;
   map.serial = serial_;
@@ -185,26 +228,26 @@ void IntegrationMap::snapshot(CuboidMap& map) const {
   map.thickness = thickness_;
   map.cuboids.clear();
   map.cell_begin.resize(grid_.cells() + 1);
+  auto next_held = held.intervals().begin();
   for (CellIndex cell = 0; cell < grid_.cells(); ++cell) {
-    map.cell_begin[cell] = static_cast<std::uint32_t>(map.cuboids.size());
-    std::uint32_t i = columns_.first(cell);
-    while (i != Columns::kNone) {
-      const Columns::Interval& lowest = columns_.interval(i);
-      Cuboid cuboid;
-      cuboid.cell = cell;
-      cuboid.bottom = lowest.bottom;
-      cuboid.top = lowest.bottom;
-      std::uint32_t age = 0;
-      // Touching intervals are one cuboid, or the list would depend on how it came about.
-      for (; i != Columns::kNone && columns_.interval(i).bottom == cuboid.top;
-           i = columns_.interval(i).next) {
-        cuboid.top = columns_.interval(i).top;
-        age = std::max(age, serial_ - columns_.interval(i).born);
-      }
-      map.cuboids.push_back(finished(cuboid, serial_ - age));
+    const auto begin = static_cast<std::ptrdiff_t>(map.cuboids.size());
+    map.cell_begin[cell] = static_cast<std::uint32_t>(begin);
+    appendLive(cell, map);
+    if (next_held == held.intervals().end() || next_held->cell != cell) continue;
+    for (; next_held != held.intervals().end() && next_held->cell == cell; ++next_held) {
+      Cuboid cuboid{cell, next_held->heights.bottom, next_held->heights.top, next_held->points};
+      cuboid.held = true;
+      map.cuboids.push_back(finished(cuboid, serial_ - next_held->born));
     }
+    std::sort(map.cuboids.begin() + begin, map.cuboids.end(),
+              [](const Cuboid& a, const Cuboid& b) { return a.bottom < b.bottom; });
   }
   map.cell_begin[grid_.cells()] = static_cast<std::uint32_t>(map.cuboids.size());
+}
+
+void IntegrationMap::snapshot(CuboidMap& map) const {
+  static const HeldLayer kNothing(0, 0);
+  snapshot(map, kNothing);
 }
 
 void IntegrationMap::reserve(CuboidMap& map) const {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "tccm_monitor/config_error.h"
+#include "tccm_monitor/monitor.h"
 
 namespace tccm {
 namespace {
@@ -20,8 +21,9 @@ struct CloudPoint {
   float tilt;
   std::uint8_t kind;
   std::uint8_t padding[3];
+  float end_x, end_y, end_z;
 };
-static_assert(sizeof(CloudPoint) == 32, "the fields below name these offsets");
+static_assert(sizeof(CloudPoint) == 44, "the fields below name these offsets");
 
 PointField field(const char* name, std::uint32_t offset, std::uint8_t type) {
   PointField f;
@@ -33,11 +35,14 @@ PointField field(const char* name, std::uint32_t offset, std::uint8_t type) {
 }
 
 void layOut(sensor_msgs::PointCloud2& message) {
-  if (message.fields.size() == 8 && message.point_step == sizeof(CloudPoint)) return;
-  message.fields = {field("x", 0, PointField::FLOAT32),     field("y", 4, PointField::FLOAT32),
-                    field("z", 8, PointField::FLOAT32),     field("vp_x", 12, PointField::FLOAT32),
-                    field("vp_y", 16, PointField::FLOAT32), field("vp_z", 20, PointField::FLOAT32),
-                    field("tilt", 24, PointField::FLOAT32), field("kind", 28, PointField::UINT8)};
+  if (message.fields.size() == 11 && message.point_step == sizeof(CloudPoint)) return;
+  message.fields = {
+      field("x", 0, PointField::FLOAT32),      field("y", 4, PointField::FLOAT32),
+      field("z", 8, PointField::FLOAT32),      field("vp_x", 12, PointField::FLOAT32),
+      field("vp_y", 16, PointField::FLOAT32),  field("vp_z", 20, PointField::FLOAT32),
+      field("tilt", 24, PointField::FLOAT32),  field("kind", 28, PointField::UINT8),
+      field("end_x", 32, PointField::FLOAT32), field("end_y", 36, PointField::FLOAT32),
+      field("end_z", 40, PointField::FLOAT32)};
   message.point_step = sizeof(CloudPoint);
   message.height = 1;
   message.is_bigendian = false;
@@ -45,61 +50,24 @@ void layOut(sensor_msgs::PointCloud2& message) {
 }
 
 std::string missingField(const sensor_msgs::PointCloud2& message) {
-  for (const char* name : {"x", "y", "z", "vp_x", "vp_y", "vp_z", "tilt"}) {
+  for (const char* name :
+       {"x", "y", "z", "vp_x", "vp_y", "vp_z", "tilt", "kind", "end_x", "end_y", "end_z"}) {
     const auto found = std::find_if(message.fields.begin(), message.fields.end(),
                                     [name](const PointField& f) { return f.name == name; });
-    if (found == message.fields.end() || found->datatype != PointField::FLOAT32) {
-      return std::string("it has no float field '") + name + "'";
+    const bool is_kind = std::string(name) == "kind";
+    const std::uint8_t type = is_kind ? PointField::UINT8 : PointField::FLOAT32;
+    if (found == message.fields.end() || found->datatype != type) {
+      return std::string(is_kind ? "it has no byte field '" : "it has no float field '") + name +
+             "'";
     }
-    if (std::uint64_t{found->offset} + sizeof(float) > message.point_step) {
+    if (std::uint64_t{found->offset} + (is_kind ? 1 : sizeof(float)) > message.point_step) {
       return std::string("its field '") + name + "' reaches beyond a point";
     }
   }
   return {};
 }
 
-geometry_msgs::Point toPoint(const Vector3& p) {
-  geometry_msgs::Point point;
-  point.x = p.x();
-  point.y = p.y();
-  point.z = p.z();
-  return point;
-}
-
-Grid::Config gridOf(const tccm_monitor::CuboidMap& message) {
-  Grid::Config grid;
-  grid.origin_x_m = message.origin_x;
-  grid.origin_y_m = message.origin_y;
-  grid.cell_size_m = message.cell_size;
-  grid.size_x_m = message.cells_x * message.cell_size;
-  grid.size_y_m = message.cells_y * message.cell_size;
-  grid.height_min_m = message.height_min;
-  grid.height_max_m = message.height_max;
-  grid.height_quantum_m = message.height_quantum;
-  return grid;
-}
-
-std::string fromMessages(const std::vector<tccm_monitor::Cuboid>& messages, CuboidMap& map) {
-  const double quantum = map.grid.config().height_quantum_m;
-  map.cuboids.clear();
-  for (const tccm_monitor::Cuboid& message : messages) {
-    const double top = std::nearbyint(message.top / quantum);
-    const double bottom = std::nearbyint((message.top - message.depth) / quantum);
-    constexpr double kHighest = std::numeric_limits<Height>::max();
-    if (message.cell >= map.grid.cells() || !(std::abs(top) <= kHighest) ||
-        !(std::abs(bottom) <= kHighest) || !(bottom < top)) {
-      return "a cuboid lies outside the grid, or is empty";
-    }
-    if (!map.cuboids.empty() &&
-        (message.cell < map.cuboids.back().cell ||
-         (message.cell == map.cuboids.back().cell && bottom < map.cuboids.back().top))) {
-      return "its cuboids are not ordered by cell and height, or overlap";
-    }
-    map.cuboids.push_back({message.cell, static_cast<Height>(bottom), static_cast<Height>(top),
-                           message.points, message.age_scans, message.dyn});
-  }
-  return {};
-}
+using PointReader = sensor_msgs::PointCloud2ConstIterator<float>;
 
 }  // namespace
 
@@ -155,6 +123,7 @@ void toMessage(const AssembledScan& scan, const std::string& frame,
     const Eigen::Vector3f p = beam.p_fixed.cast<float>();
     const Eigen::Vector3f viewpoint = beam.viewpoint.cast<float>();
     const bool kept = beam.kind == BeamKind::kReturn;
+    const bool looked = lookOf(beam.kind).has_value();
     *point++ = {kept ? p.x() : kNaN,
                 kept ? p.y() : kNaN,
                 kept ? p.z() : kNaN,
@@ -163,7 +132,10 @@ void toMessage(const AssembledScan& scan, const std::string& frame,
                 viewpoint.z(),
                 static_cast<float>(beam.tilt),
                 static_cast<std::uint8_t>(beam.kind),
-                {0, 0, 0}};
+                {0, 0, 0},
+                looked ? p.x() : kNaN,
+                looked ? p.y() : kNaN,
+                looked ? p.z() : kNaN};
   }
 }
 
@@ -177,79 +149,24 @@ std::string fromMessage(const sensor_msgs::PointCloud2& message, ScanReturns& re
   }
   returns.stamp = toTime(message.header.stamp);
   returns.points.clear();
-  sensor_msgs::PointCloud2ConstIterator<float> x(message, "x"), y(message, "y"), z(message, "z");
-  sensor_msgs::PointCloud2ConstIterator<float> viewpoint(message, "vp_x"), vp_y(message, "vp_y"),
-      vp_z(message, "vp_z"), tilt(message, "tilt");
-  returns.tilt = *tilt;
-  for (std::size_t i = 0; i < count; ++i, ++x, ++y, ++z) {
-    if (std::isfinite(*x) && std::isfinite(*y) && std::isfinite(*z)) {
-      returns.points.emplace_back(*x, *y, *z);
+  returns.looks.clear();
+  PointReader x(message, "x"), y(message, "y"), z(message, "z");
+  PointReader vp_x(message, "vp_x"), vp_y(message, "vp_y"), vp_z(message, "vp_z");
+  PointReader end_x(message, "end_x"), end_y(message, "end_y"), end_z(message, "end_z");
+  sensor_msgs::PointCloud2ConstIterator<std::uint8_t> kind(message, "kind");
+  returns.tilt = *PointReader(message, "tilt");
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vector3 p(*x, *y, *z), end(*end_x, *end_y, *end_z);
+    returns.viewpoint = {*vp_x, *vp_y, *vp_z};
+    if (p.allFinite()) returns.points.push_back(p);
+    const auto what = *kind < kBeamKinds ? lookOf(static_cast<BeamKind>(*kind)) : std::nullopt;
+    if (what && end.allFinite() && returns.viewpoint.allFinite()) {
+      returns.looks.push_back({returns.viewpoint, end, *what});
     }
+    for (PointReader* field : {&x, &y, &z, &vp_x, &vp_y, &vp_z, &end_x, &end_y, &end_z}) ++*field;
+    ++kind;
   }
-  const int last = static_cast<int>(count - 1);
-  returns.viewpoint = Vector3(*(viewpoint + last), *(vp_y + last), *(vp_z + last));
   return {};
-}
-
-void toMessage(const CuboidMap& map, const std::string& frame, tccm_monitor::CuboidMap& message) {
-  const Grid::Config& grid = map.grid.config();
-  message.header.frame_id = frame;
-  message.header.stamp = toRos(map.stamp);
-  message.serial = map.serial;
-  message.origin_x = grid.origin_x_m;
-  message.origin_y = grid.origin_y_m;
-  message.cell_size = grid.cell_size_m;
-  message.cells_x = map.grid.cellsX();
-  message.cells_y = map.grid.cellsY();
-  message.height_min = grid.height_min_m;
-  message.height_max = grid.height_max_m;
-  message.height_quantum = grid.height_quantum_m;
-  message.thickness = map.grid.metres(map.thickness);
-  message.window_scans = map.window_scans;
-  message.window = toRos(map.window);
-  message.complete = map.complete;
-  message.overflowed = map.overflowed;
-  message.viewpoint = toPoint(map.viewpoint);
-  message.cuboids.resize(map.cuboids.size());
-  for (std::size_t i = 0; i < map.cuboids.size(); ++i) {
-    const Cuboid& cuboid = map.cuboids[i];
-    tccm_monitor::Cuboid& out = message.cuboids[i];
-    out.cell = cuboid.cell;
-    out.top = static_cast<float>(map.grid.metres(cuboid.top));
-    out.depth = static_cast<float>(map.grid.metres(cuboid.top - cuboid.bottom));
-    out.points = cuboid.points;
-    out.age_scans = cuboid.age_scans;
-    out.dyn = cuboid.dyn;
-    out.col = tccm_monitor::Cuboid::CLEAR;
-  }
-}
-
-std::string fromMessage(const tccm_monitor::CuboidMap& message, CuboidMap& map) {
-  try {
-    const Grid grid(gridOf(message));
-    if (!(grid == map.grid)) map.grid = grid;
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  if (map.grid.cellsX() != message.cells_x || map.grid.cellsY() != message.cells_y) {
-    return "its cells do not fit its area";
-  }
-  if (!(message.thickness > 0.0) ||
-      !(message.thickness / message.height_quantum <= std::numeric_limits<Height>::max())) {
-    return "its thickness is none";
-  }
-  map.stamp = toTime(message.header.stamp);
-  map.serial = message.serial;
-  map.window_scans = message.window_scans;
-  map.window = Duration(message.window.toNSec());
-  map.complete = message.complete;
-  map.overflowed = message.overflowed;
-  map.thickness = map.grid.heightOf(message.thickness);
-  map.viewpoint = {message.viewpoint.x, message.viewpoint.y, message.viewpoint.z};
-  if (!map.viewpoint.allFinite()) return "its viewpoint is not finite";
-  std::string defect = fromMessages(message.cuboids, map);
-  if (defect.empty()) indexCells(map);
-  return defect;
 }
 
 }  // namespace tccm

@@ -176,6 +176,13 @@ MapperSettings readMapperSettings(Parameters& parameters) {
   parameters.read("tilt_hysteresis_rad", mapper.tilt.hysteresis_rad);
   parameters.read("scan_gap_max_s", mapper.scan_gap_max_s);
   parameters.read("time_jump_back_s", mapper.time_jump_back_s);
+  parameters.read("look_resolution_rad", mapper.looks.resolution_rad);
+  parameters.read("look_spread_rad", mapper.looks.spread_rad);
+  parameters.read("look_pass_gap_s", mapper.looks.pass_gap_s);
+  parameters.read("hold_s", mapper.hold_s);
+  parameters.read("hold_look_angle_rad", mapper.hold_look_angle_rad);
+  parameters.read("hold_look_short_m", mapper.hold_look_short_m);
+  parameters.read("held_max", mapper.held_max);
   parameters.read("marker_rate_hz", settings.marker_rate_hz);
   parameters.read("static_windows", settings.static_windows);
   mapper.validate();

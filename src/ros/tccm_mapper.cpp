@@ -145,6 +145,8 @@ void TccmMapper::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
                    "points are left out: raise window_returns_max or intervals_max");
   } else if (!snapshot_.complete && mapper_->map().scans() == settings_.mapper.map.scans_max) {
     status.summary(DiagnosticStatus::ERROR, "window_scans_max is too small for the window");
+  } else if (snapshot_.tilt_stopped) {
+    status.summary(DiagnosticStatus::ERROR, "the tilt stands still, or does not go as far");
   } else if (!snapshot_.complete) {
     status.summary(DiagnosticStatus::WARN, "the map does not hold a whole window yet");
   } else {
@@ -159,7 +161,8 @@ void TccmMapper::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   status.add("window [scans]", mapper_->map().scans());
   const auto tilt = mapper_->tiltPeriod();
   status.add("tilt period [s]", tilt ? std::to_string(toSeconds(*tilt)) : "not measured yet");
-  status.add("memory [bytes]", mapper_->map().memoryBytes());
+  status.add("held intervals", mapper_->held());
+  status.add("memory [bytes]", mapper_->memoryBytes());
 }
 
 }  // namespace tccm

@@ -56,8 +56,8 @@ bool project(const LaserScan& scan, const PosePath& T_fixed_sensor, AssembledSca
     beam.stamp = scan.beamTime(i);
     if (scan.time_increment > Duration::zero() && i > 0) pose = *T_fixed_sensor.at(beam.stamp);
     const double angle = scan.angle_min + static_cast<double>(i) * scan.angle_increment;
-    const double range = scan.ranges[i];
     beam.kind = kindOf(scan.ranges[i], scan);
+    const double range = beam.kind == BeamKind::kNoReturn ? scan.range_max : scan.ranges[i];
     beam.p_fixed = pose * Vector3(range * std::cos(angle), range * std::sin(angle), 0.0);
     beam.viewpoint = pose.translation();
     beam.tilt = elevationOfX(pose);

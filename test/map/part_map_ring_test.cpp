@@ -15,7 +15,8 @@ Time atSeconds(double seconds) { return Time(fromSeconds(seconds)); }
 
 std::vector<CellIndex> droppedCells(PartMapRing& ring) {
   std::vector<CellIndex> cells;
-  ring.dropOldest([&](const MappedReturn& entry) { cells.push_back(entry.cell); });
+  ring.visitOldest([&](const MappedReturn& entry) { cells.push_back(entry.cell); });
+  ring.dropOldest();
   return cells;
 }
 

@@ -4,14 +4,14 @@
 #include <optional>
 #include <vector>
 
+#include "tccm_monitor/geometry/direction_grid.h"
 #include "tccm_monitor/geometry/shape.h"
 #include "tccm_monitor/map/cuboid_map.h"
 
 namespace tccm {
 
-/// A spherical depth image around the sensor: azimuth about the fixed frame's z axis, elevation
-/// over its xy plane (paper, section IV.B; a tilting scanner sees further round than a plane can
-/// show). Primitives are drawn first, then cuboids cover them.
+/// A spherical depth image around the sensor (paper, section IV.B). Primitives are drawn first, then
+/// cuboids cover them.
 class ZBuffer {
  public:
   /// @param resolution edge of a pixel at the horizon [rad].
@@ -44,17 +44,18 @@ class ZBuffer {
   /// Nothing where the cuboid lies in front of nothing that is drawn.
   [[nodiscard]] std::optional<Silhouette> silhouette(const CuboidMap& map, std::uint32_t cuboid);
 
-  [[nodiscard]] int rows() const { return rows_; }        ///< from straight down to straight up
-  [[nodiscard]] int columns() const { return columns_; }  ///< from azimuth -pi on, counterclockwise
+  [[nodiscard]] const DirectionGrid& grid() const { return grid_; }
+  [[nodiscard]] int rows() const { return grid_.rows(); }
+  [[nodiscard]] int columns() const { return grid_.columns(); }
   [[nodiscard]] const Pixel& pixel(int row, int column) const {
-    return pixels_[static_cast<std::size_t>(row * columns_ + column)];
+    return pixels_[grid_.index(row, column)];
   }
   /// The indices of the pixels that show a primitive.
   [[nodiscard]] const std::vector<std::uint32_t>& drawn() const { return drawn_; }
   [[nodiscard]] const Pixel& pixelAt(std::uint32_t index) const { return pixels_[index]; }
   /// Solid angle of a pixel, relative to one at the horizon.
   [[nodiscard]] double weightAt(std::uint32_t index) const {
-    return cosines_[static_cast<std::size_t>((index + 0.5) * rows_a_pixel_)];
+    return grid_.cosine(grid_.rowOfPixel(index));
   }
 
  private:
@@ -72,35 +73,15 @@ class ZBuffer {
   template <typename Solid>
   void drawIn(const Window& window, const Solid& solid, const Pose& T_fixed_shape,
               std::uint32_t index, float depth_min);
-  [[nodiscard]] int rowOf(double elevation) const;
-  /// @param level horizontal distance above 0, to a point of that height over the viewpoint.
-  [[nodiscard]] int rowOfSlope(double level, double height) const;
-  [[nodiscard]] int columnOf(double azimuth) const;
-  /// @param direction of any length above 0.
-  [[nodiscard]] int columnOfDirection(const Eigen::Vector2d& direction) const;
-  /// The same for a direction near a column.
-  [[nodiscard]] int columnFrom(int column, const Eigen::Vector2d& direction) const;
   /// Whether something that is drawn in its columns is further away than its near side.
   [[nodiscard]] bool reachesBehind(const Silhouette& silhouette) const;
   [[nodiscard]] double depthOf(const Silhouette& silhouette, int row) const;
 
-  double resolution_;
-  int rows_;
-  int columns_;
-  double rows_a_pixel_;
+  DirectionGrid grid_;
   double narrow_sine_;  ///< of half the angle that a cuboid of few columns takes up
   Vector3 viewpoint_ = Vector3::Zero();
   std::vector<Pixel> pixels_;
-  std::vector<double> cosines_;  ///< of each row's elevation
-  std::vector<double> sines_;
-  std::vector<double> tangents_;
-  std::vector<double> row_borders_;              ///< tangent of each row's lower border
-  std::vector<Eigen::Vector2d> column_borders_;  ///< direction of each column's right border
-  std::vector<Eigen::Vector2d> column_middles_;  ///< direction of each column's middle
-  std::vector<LevelRay> level_rays_;             ///< of each column, for the shape being drawn
-  // The row and column that directions from equal parts of a circle's square begin in.
-  std::vector<int> bin_rows_;
-  std::vector<int> bin_columns_;
+  std::vector<LevelRay> level_rays_;  ///< of each column, for the shape being drawn
   std::vector<std::uint32_t> drawn_;
   // Horizontal distance of the farthest that is drawn, in each column and in all [m]; 0 for
   // nothing.

@@ -6,6 +6,7 @@
 
 #include "tccm_monitor/geometry/pose.h"
 #include "tccm_monitor/map/grid.h"
+#include "tccm_monitor/map/look_image.h"
 
 namespace tccm {
 
@@ -17,6 +18,8 @@ struct Cuboid {
   std::uint32_t points = 0;     ///< returns of the window's scans in it (the paper's pnum)
   std::uint32_t age_scans = 0;  ///< since something was first seen here without interruption
   std::uint32_t dyn = 0;        ///< age in whole windows (section IV.C); low means dynamic
+  /// It left the window, but nobody looked at its place since: no part of the live map.
+  bool held = false;
 };
 
 /// A snapshot of the integration map: all that checks need, and nothing that changes under them.
@@ -28,8 +31,13 @@ struct CuboidMap {
   Duration window{0};              ///< from the oldest of them to the newest
   bool complete = false;           ///< the window holds a whole tilt period, or what was asked for
   bool overflowed = false;         ///< a bound was met and points were left out: not to be trusted
-  Height thickness = 0;            ///< d0, quanta
+  bool tilt_stopped = false;       ///< the sensor tilted, and does not any more, or not as far
+  /// From one look at a place to the next in the same direction of the tilt: the tilt's period, or
+  /// where none is measured the window; 0 before either is known.
+  Duration look_period{0};
+  Height thickness = 0;                 ///< d0, quanta
   Vector3 viewpoint = Vector3::Zero();  ///< the sensor's origin at the newest beam, fixed frame [m]
+  LookImage looks;                      ///< where the sensor looked, and how far it saw
   std::vector<Cuboid> cuboids;          ///< by cell, then from low to high
   /// The cuboids of a cell are those from cell_begin[cell] up to cell_begin[cell + 1].
   std::vector<std::uint32_t> cell_begin;

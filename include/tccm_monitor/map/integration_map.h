@@ -9,6 +9,7 @@
 #include "tccm_monitor/map/cuboid_map.h"
 #include "tccm_monitor/map/forgotten_regions.h"
 #include "tccm_monitor/map/grid.h"
+#include "tccm_monitor/map/held_layer.h"
 #include "tccm_monitor/map/part_map_ring.h"
 #include "tccm_monitor/map/region.h"
 #include "tccm_monitor/map/return_counts.h"
@@ -46,8 +47,17 @@ class IntegrationMap {
   /// the window already, the oldest leaves first.
   /// @param returns in the fixed frame; those that are not finite count as out of the area.
   Added add(Time stamp, const std::vector<Vector3>& returns);
-  /// Subtracts the oldest scan's part map. @pre scans() > 0
-  void expireOldest();
+  /// What leaves the map when no scan of the window has seen it any more.
+  struct Leaving {
+    CellIndex cell;
+    Columns::Heights heights;
+    std::uint32_t points;  ///< returns that were in it, at least 1
+    std::uint32_t serial;  ///< of the scan that saw it last
+    std::uint32_t born;
+  };
+  /// Subtracts the oldest scan's part map. @return what left the map with it, each interval once;
+  /// valid until the next call. @pre scans() > 0
+  const std::vector<Leaving>& expireOldest();
   /// Takes the returns inside the region out of the window's part maps, at once, and leaves them
   /// out of scans that come later but are stamped up to `until` (see ForgottenRegions for its
   /// limits); from then on what is seen there counts as usual. The map stays the union of what
@@ -66,6 +76,8 @@ class IntegrationMap {
   /// Forgets all scans, and what was to be forgotten of later ones; serials go on.
   void clear();
 
+  /// The heights that a return occupies.
+  [[nodiscard]] Columns::Heights occupiedBy(const MappedReturn& entry) const;
   [[nodiscard]] std::size_t scans() const { return ring_.scans(); }
   [[nodiscard]] Time oldestStamp() const { return ring_.oldestStamp(); }
   [[nodiscard]] std::uint32_t serial() const { return serial_; }
@@ -76,6 +88,9 @@ class IntegrationMap {
 
   /// Writes cuboids, index, grid, stamp, serial, window and thickness; the rest is the caller's.
   /// Allocates nothing once `map` has been through reserve().
+  /// @param held sorted, and apart from what is in this map: becomes cuboids of its own.
+  void snapshot(CuboidMap& map, const HeldLayer& held) const;
+  /// Of this map alone.
   void snapshot(CuboidMap& map) const;
   /// Gives a snapshot the capacity that any of this map's can need.
   void reserve(CuboidMap& map) const;
@@ -92,11 +107,13 @@ class IntegrationMap {
   static constexpr Columns::Heights kNothing{std::numeric_limits<Height>::max(),
                                              std::numeric_limits<Height>::min()};
 
-  [[nodiscard]] Columns::Heights occupiedBy(const MappedReturn& entry) const;
   void markCellsNear(const std::vector<RegionPart>& parts);
   std::size_t removeReturns(const std::vector<RegionPart>& parts);
   void restoreColumns();
-  [[nodiscard]] Cuboid finished(Cuboid cuboid, std::uint32_t born) const;
+  [[nodiscard]] Cuboid finished(Cuboid cuboid, std::uint32_t age) const;
+  [[nodiscard]] std::uint32_t pointsIn(CellIndex cell, Columns::Heights heights) const;
+  void noteLeaving(CellIndex cell, std::uint32_t serial);
+  void appendLive(CellIndex cell, CuboidMap& map) const;
 
   Config config_;
   Grid grid_;
@@ -106,6 +123,7 @@ class IntegrationMap {
   PartMapRing ring_;
   ForgottenRegions forgotten_;
   std::vector<Loss> losses_;  ///< by cell; none between calls of forget()
+  std::vector<Leaving> leaving_;
   std::uint32_t serial_ = 0;
   std::uint32_t overflow_serial_ = 0;  ///< of the last scan with points left out
   Time newest_stamp_;

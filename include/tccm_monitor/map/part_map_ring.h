@@ -37,15 +37,18 @@ class PartMapRing {
     ++used_;
     ++parts_[newest_].count;
   }
-  /// Hands each of the oldest part map's returns to visit, then drops that part map.
+  /// Hands each of the oldest part map's returns to visit. @pre scans() > 0
   template <typename Visit>
-  void dropOldest(Visit&& visit) {
+  void visitOldest(Visit&& visit) const {
     const Part& part = parts_[oldest_];
     const std::size_t straight = std::min(part.count, returns_.size() - part.begin);
     const MappedReturn* from = returns_.data() + part.begin;
     for (std::size_t i = 0; i < straight; ++i) visit(from[i]);
     for (std::size_t i = 0; i < part.count - straight; ++i) visit(returns_[i]);
-    used_ -= part.count;
+  }
+  /// Drops the oldest part map. @pre scans() > 0
+  void dropOldest() {
+    used_ -= parts_[oldest_].count;
     oldest_ = oldest_ + 1 < parts_.size() ? oldest_ + 1 : 0;
     --scans_;
   }

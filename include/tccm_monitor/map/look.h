@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+
+#include "tccm_monitor/geometry/pose.h"
+
+namespace tccm {
+
+/// What one beam says of the space along it: there was nothing between the viewpoint and its end.
+/// Beams that say nothing (too close, unknown, mixed pixels, shadows) are no looks.
+struct Look {
+  enum class End : std::uint8_t {
+    kSurface,  ///< of the surroundings
+    kNothing,  ///< as far as the sensor can see
+    kRobot,    ///< the robot itself: what lies behind it is not known
+  };
+  Vector3 viewpoint;  ///< the sensor's origin [m, fixed frame]
+  Vector3 end;        ///< [m, fixed frame]
+  End what = End::kSurface;
+};
+
+}  // namespace tccm

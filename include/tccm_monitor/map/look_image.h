@@ -1,0 +1,93 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "tccm_monitor/geometry/direction_grid.h"
+#include "tccm_monitor/time.h"
+
+namespace tccm {
+
+/// Which directions the sensor looked in lately, and how far it saw: for each direction its last
+/// passes. A pass is one time that scans went over a direction, be it in one scan or, near a
+/// turning point of the tilt, in several. This is what tells free from never seen.
+class LookImage {
+ public:
+  /// Milliseconds since the epoch.
+  using Ticks = std::uint32_t;
+  enum class End : std::uint8_t {
+    kNever = 0,    ///< no such pass
+    kSurface = 1,  ///< of the surroundings
+    kNothing = 2,  ///< as far as the sensor can see
+    kRobot = 3,    ///< the robot itself: what lies behind it is not known
+  };
+  struct Pass {
+    Ticks first = 0;  ///< stamp of the first scan of the pass
+    Ticks last = 0;   ///< and of the last so far
+    std::uint16_t range_mm = 0;
+    End end = End::kNever;
+
+    /// [m]
+    [[nodiscard]] double range() const { return 1e-3 * range_mm; }
+  };
+  static constexpr std::size_t kPasses = 2;
+  /// Newest first.
+  using Passes = std::array<Pass, kPasses>;
+
+  /// Nobody has looked anywhere. @param resolution_rad edge of a pixel, 0.01 to 0.2.
+  /// @throws ConfigError
+  explicit LookImage(double resolution_rad = 0.035);
+
+  /// What was seen of a place.
+  struct Sight {
+    enum class Kind {
+      kSeen,         ///< free, or a surface
+      kBehind,       ///< a surface stood before it
+      kBehindRobot,  ///< the robot itself stood before it
+      kNeverLooked,
+    };
+    Kind kind = Kind::kNeverLooked;
+    Time stamp = {};   ///< the newest look that the kind rests on; the epoch where there was none
+    Time looked = {};  ///< the newest look in that direction, however far it saw
+  };
+  /// @param margin_m a look that ended this much before the place saw it all the same.
+  [[nodiscard]] Sight at(const Vector3& p_fixed, double margin_m) const;
+  /// The same in the middle of a pixel, at a distance from the viewpoint.
+  [[nodiscard]] Sight at(std::size_t pixel, double range_m, double margin_m) const;
+
+  [[nodiscard]] const DirectionGrid& grid() const { return grid_; }
+  /// From which the directions are taken [m, fixed frame].
+  [[nodiscard]] const Vector3& viewpoint() const { return viewpoint_; }
+  [[nodiscard]] const Passes& passes(std::size_t pixel) const { return passes_[pixel]; }
+  [[nodiscard]] Time epoch() const { return epoch_; }
+  [[nodiscard]] Time timeOf(Ticks ticks) const { return epoch_ + std::chrono::milliseconds(ticks); }
+  /// In rows outside of [rowBegin(), rowEnd()) nobody ever looked.
+  [[nodiscard]] int rowBegin() const { return row_begin_; }
+  [[nodiscard]] int rowEnd() const { return row_end_; }
+  [[nodiscard]] bool empty() const { return row_begin_ >= row_end_; }
+
+  /// As at the start.
+  void clear();
+  /// Begins anew from another viewpoint.
+  void begin(Time epoch, const Vector3& viewpoint);
+  [[nodiscard]] Passes& edit(int row, int column) {
+    if (row < row_begin_) row_begin_ = row;
+    if (row >= row_end_) row_end_ = row + 1;
+    return passes_[grid_.index(row, column)];
+  }
+  /// Becomes like another. Allocates nothing where the resolution is the same.
+  void copyFrom(const LookImage& other);
+  [[nodiscard]] std::size_t memoryBytes() const { return passes_.capacity() * sizeof(Passes); }
+
+ private:
+  DirectionGrid grid_;
+  std::vector<Passes> passes_;
+  Time epoch_;
+  Vector3 viewpoint_ = Vector3::Zero();
+  int row_begin_;
+  int row_end_ = 0;
+};
+
+}  // namespace tccm

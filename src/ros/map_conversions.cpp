@@ -1,0 +1,178 @@
+// Cuboid maps to messages and back.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tccm_monitor/config_error.h"
+#include "tccm_monitor/ros/conversions.h"
+
+namespace tccm {
+namespace {
+
+geometry_msgs::Point toPoint(const Vector3& p) {
+  geometry_msgs::Point point;
+  point.x = p.x();
+  point.y = p.y();
+  point.z = p.z();
+  return point;
+}
+
+Grid::Config gridOf(const tccm_monitor::CuboidMap& message) {
+  Grid::Config grid;
+  grid.origin_x_m = message.origin_x;
+  grid.origin_y_m = message.origin_y;
+  grid.cell_size_m = message.cell_size;
+  grid.size_x_m = message.cells_x * message.cell_size;
+  grid.size_y_m = message.cells_y * message.cell_size;
+  grid.height_min_m = message.height_min;
+  grid.height_max_m = message.height_max;
+  grid.height_quantum_m = message.height_quantum;
+  return grid;
+}
+
+void toMessage(const LookImage& looks, tccm_monitor::Looks& message) {
+  const int columns = looks.grid().columns();
+  const int rows = std::max(0, looks.rowEnd() - looks.rowBegin());
+  message.resolution = looks.grid().resolution();
+  message.viewpoint = toPoint(looks.viewpoint());
+  message.epoch = toRos(looks.epoch());
+  message.row_begin = static_cast<std::uint32_t>(rows > 0 ? looks.rowBegin() : 0);
+  message.passes.resize(static_cast<std::size_t>(rows * columns) * LookImage::kPasses);
+  auto out = message.passes.begin();
+  const std::size_t first = rows > 0 ? looks.grid().index(looks.rowBegin(), 0) : 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(rows * columns); ++i) {
+    for (const LookImage::Pass& pass : looks.passes(first + i)) {
+      out->first_ms = pass.first;
+      out->last_ms = pass.last;
+      out->range_mm = pass.range_mm;
+      out->end = static_cast<std::uint8_t>(pass.end);
+      ++out;
+    }
+  }
+}
+
+std::string fromMessage(const tccm_monitor::Looks& message, LookImage& looks) {
+  if (!(std::abs(message.resolution - looks.grid().resolution()) < 1e-9)) {
+    try {
+      looks = LookImage(message.resolution);
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+  }
+  const Vector3 viewpoint(message.viewpoint.x, message.viewpoint.y, message.viewpoint.z);
+  if (!viewpoint.allFinite()) return "the viewpoint of its looks is not finite";
+  const auto columns = static_cast<std::size_t>(looks.grid().columns());
+  const std::size_t pixels = message.passes.size() / LookImage::kPasses;
+  const std::size_t rows = pixels / columns;
+  if (message.passes.size() % (columns * LookImage::kPasses) != 0 ||
+      message.row_begin + rows > static_cast<std::size_t>(looks.grid().rows())) {
+    return "its looks fill no whole rows";
+  }
+  looks.begin(toTime(message.epoch), viewpoint);
+  auto in = message.passes.begin();
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const auto row = static_cast<int>(message.row_begin + i / columns);
+    for (LookImage::Pass& pass : looks.edit(row, static_cast<int>(i % columns))) {
+      if (in->end > tccm_monitor::LookPass::ROBOT) return "a look ends on nothing that is known";
+      pass = {in->first_ms, in->last_ms, in->range_mm, static_cast<LookImage::End>(in->end)};
+      ++in;
+    }
+  }
+  return {};
+}
+
+std::string fromMessages(const std::vector<tccm_monitor::Cuboid>& messages, CuboidMap& map) {
+  const double quantum = map.grid.config().height_quantum_m;
+  map.cuboids.clear();
+  for (const tccm_monitor::Cuboid& message : messages) {
+    const double top = std::nearbyint(message.top / quantum);
+    const double bottom = std::nearbyint((message.top - message.depth) / quantum);
+    constexpr double kHighest = std::numeric_limits<Height>::max();
+    if (message.cell >= map.grid.cells() || !(std::abs(top) <= kHighest) ||
+        !(std::abs(bottom) <= kHighest) || !(bottom < top)) {
+      return "a cuboid lies outside the grid, or is empty";
+    }
+    if (!map.cuboids.empty() &&
+        (message.cell < map.cuboids.back().cell ||
+         (message.cell == map.cuboids.back().cell && bottom < map.cuboids.back().top))) {
+      return "its cuboids are not ordered by cell and height, or overlap";
+    }
+    map.cuboids.push_back({message.cell, static_cast<Height>(bottom), static_cast<Height>(top),
+                           message.points, message.age_scans, message.dyn, message.held != 0});
+  }
+  return {};
+}
+
+}  // namespace
+
+void toMessage(const CuboidMap& map, const std::string& frame, tccm_monitor::CuboidMap& message) {
+  const Grid::Config& grid = map.grid.config();
+  message.header.frame_id = frame;
+  message.header.stamp = toRos(map.stamp);
+  message.serial = map.serial;
+  message.origin_x = grid.origin_x_m;
+  message.origin_y = grid.origin_y_m;
+  message.cell_size = grid.cell_size_m;
+  message.cells_x = map.grid.cellsX();
+  message.cells_y = map.grid.cellsY();
+  message.height_min = grid.height_min_m;
+  message.height_max = grid.height_max_m;
+  message.height_quantum = grid.height_quantum_m;
+  message.thickness = map.grid.metres(map.thickness);
+  message.window_scans = map.window_scans;
+  message.window = toRos(map.window);
+  message.complete = map.complete;
+  message.overflowed = map.overflowed;
+  message.tilt_stopped = map.tilt_stopped;
+  message.look_period = toRos(map.look_period);
+  message.viewpoint = toPoint(map.viewpoint);
+  toMessage(map.looks, message.looks);
+  message.cuboids.resize(map.cuboids.size());
+  for (std::size_t i = 0; i < map.cuboids.size(); ++i) {
+    const Cuboid& cuboid = map.cuboids[i];
+    tccm_monitor::Cuboid& out = message.cuboids[i];
+    out.cell = cuboid.cell;
+    out.top = static_cast<float>(map.grid.metres(cuboid.top));
+    out.depth = static_cast<float>(map.grid.metres(cuboid.top - cuboid.bottom));
+    out.points = cuboid.points;
+    out.age_scans = cuboid.age_scans;
+    out.dyn = cuboid.dyn;
+    out.col = tccm_monitor::Cuboid::CLEAR;
+    out.held = static_cast<std::uint8_t>(cuboid.held);
+  }
+}
+
+std::string fromMessage(const tccm_monitor::CuboidMap& message, CuboidMap& map) {
+  try {
+    const Grid grid(gridOf(message));
+    if (!(grid == map.grid)) map.grid = grid;
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  if (map.grid.cellsX() != message.cells_x || map.grid.cellsY() != message.cells_y) {
+    return "its cells do not fit its area";
+  }
+  if (!(message.thickness > 0.0) ||
+      !(message.thickness / message.height_quantum <= std::numeric_limits<Height>::max())) {
+    return "its thickness is none";
+  }
+  map.stamp = toTime(message.header.stamp);
+  map.serial = message.serial;
+  map.window_scans = message.window_scans;
+  map.window = Duration(message.window.toNSec());
+  map.complete = message.complete;
+  map.overflowed = message.overflowed;
+  map.tilt_stopped = message.tilt_stopped;
+  map.look_period = Duration(message.look_period.toNSec());
+  if (map.look_period < Duration::zero()) return "its look_period is negative";
+  map.thickness = map.grid.heightOf(message.thickness);
+  map.viewpoint = {message.viewpoint.x, message.viewpoint.y, message.viewpoint.z};
+  if (!map.viewpoint.allFinite()) return "its viewpoint is not finite";
+  std::string defect = fromMessage(message.looks, map.looks);
+  if (!defect.empty()) return defect;
+  defect = fromMessages(message.cuboids, map);
+  if (defect.empty()) indexCells(map);
+  return defect;
+}
+
+}  // namespace tccm

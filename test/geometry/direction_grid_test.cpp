@@ -1,0 +1,70 @@
+#include "tccm_monitor/geometry/direction_grid.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/random.h"
+
+namespace tccm {
+namespace {
+
+TEST(DirectionGridTest, AResolutionThatDoesNotDivideHalfATurnIsMadeFiner) {
+  const DirectionGrid grid(0.035);
+  EXPECT_EQ(grid.rows(), 90);
+  EXPECT_EQ(grid.columns(), 180);
+  EXPECT_NEAR(grid.resolution(), M_PI / 90.0, 1e-12);
+  EXPECT_EQ(grid.pixels(), 16200U);
+}
+
+TEST(DirectionGridTest, TheMiddleOfEachPixelLiesInIt) {
+  const DirectionGrid grid(0.05);
+  for (int row = 0; row < grid.rows(); ++row) {
+    for (int column = 0; column < grid.columns(); ++column) {
+      const std::size_t index = grid.index(row, column);
+      ASSERT_EQ(grid.pixelOf(0.3 * grid.middle(row, column)), index);
+      ASSERT_EQ(grid.rowOfPixel(index), row);
+      ASSERT_NEAR(grid.middle(row, column).norm(), 1.0, 1e-12);
+    }
+  }
+}
+
+TEST(DirectionGridTest, RandomDirectionsFallWhereTheirAnglesSay) {
+  const DirectionGrid grid(0.02);
+  test::Random random(1);
+  for (int i = 0; i < 100000; ++i) {
+    const Vector3 d = random.uniform(0.1, 3.0) * random.direction();
+    const double elevation = std::atan2(d.z(), d.head<2>().norm());
+    const double azimuth = std::atan2(d.y(), d.x());
+    const int row = static_cast<int>((elevation + M_PI / 2.0) / grid.resolution());
+    const int column = static_cast<int>((azimuth + M_PI) / grid.resolution());
+    ASSERT_EQ(grid.pixelOf(d), grid.index(row, column)) << d.transpose();
+  }
+}
+
+TEST(DirectionGridTest, StraightUpAndStraightDownAreInTheLastAndTheFirstRow) {
+  const DirectionGrid grid(0.1);
+  EXPECT_EQ(grid.rowOfPixel(grid.pixelOf({0.0, 0.0, -2.0})), 0);
+  EXPECT_EQ(grid.rowOfPixel(grid.pixelOf({0.0, 0.0, 0.1})), grid.rows() - 1);
+}
+
+TEST(DirectionGridTest, NoDirectionWithinAnAngleIsMoreColumnsAway) {
+  const DirectionGrid grid(0.035);
+  test::Random random(2);
+  for (const double angle : {0.01, 0.03, 0.1}) {
+    for (int i = 0; i < 20000; ++i) {
+      const Vector3 d = random.direction(), any = random.direction();
+      const Vector3 off = (any - any.dot(d) * d).normalized();
+      const Vector3 other = std::cos(angle) * d + std::sin(angle) * off;
+      const auto from = static_cast<int>(grid.pixelOf(d));
+      const auto to = static_cast<int>(grid.pixelOf(other));
+      const int row = grid.rowOfPixel(static_cast<std::size_t>(to));
+      const int apart = std::abs(from % grid.columns() - to % grid.columns());
+      ASSERT_LE(std::min(apart, grid.columns() - apart), grid.columnsWithin(row, angle))
+          << d.transpose() << " and " << other.transpose();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tccm

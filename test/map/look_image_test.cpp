@@ -1,0 +1,95 @@
+#include "tccm_monitor/map/look_image.h"
+
+#include <gtest/gtest.h>
+
+#include "tccm_monitor/config_error.h"
+
+namespace tccm {
+namespace {
+
+using End = LookImage::End;
+using Kind = LookImage::Sight::Kind;
+
+Time at(double seconds) { return Time(fromSeconds(seconds)); }
+
+const Time kEpoch = at(100.0);
+const Vector3 kViewpoint(0.0, 0.0, 1.0);
+const Vector3 kAhead(1.0, 0.001, 0.001);  // in no border of pixels
+
+/// An image whose passes straight ahead are these, the newest first.
+LookImage ahead(LookImage::Pass newest, LookImage::Pass before = {}) {
+  LookImage image;
+  image.begin(kEpoch, kViewpoint);
+  const std::size_t pixel = image.grid().pixelOf(kAhead);
+  const int row = image.grid().rowOfPixel(pixel);
+  image.edit(row, static_cast<int>(pixel) - row * image.grid().columns()) = {newest, before};
+  return image;
+}
+
+Vector3 placeAhead(double metres) { return kViewpoint + metres * kAhead.normalized(); }
+
+TEST(LookImageTest, AtFirstNobodyHasLookedAnywhere) {
+  const LookImage image;
+  EXPECT_TRUE(image.empty());
+  EXPECT_EQ(image.at(kAhead, 0.0).kind, Kind::kNeverLooked);
+  EXPECT_EQ(image.at(Vector3::Zero(), 0.0).kind, Kind::kNeverLooked) << "the viewpoint itself";
+}
+
+TEST(LookImageTest, WhatAPassReachedWasSeenThen) {
+  const LookImage image = ahead({2000, 2500, 800, End::kSurface});
+  for (const double metres : {0.1, 0.5, 0.799}) {
+    const auto sight = image.at(placeAhead(metres), 0.0);
+    EXPECT_EQ(sight.kind, Kind::kSeen) << metres;
+    EXPECT_EQ(sight.stamp, at(102.5));
+  }
+  EXPECT_EQ(image.at(placeAhead(0.81), 0.0).kind, Kind::kBehind);
+  EXPECT_EQ(image.at(placeAhead(0.84), 0.05).kind, Kind::kSeen) << "within the margin";
+  EXPECT_EQ(image.at(kViewpoint - kAhead, 0.0).kind, Kind::kNeverLooked) << "the other way";
+}
+
+TEST(LookImageTest, BehindTheRobotThePassBeforeCounts) {
+  const LookImage::Pass robot{3000, 3000, 400, End::kRobot};
+  const auto seen = ahead(robot, {1000, 1000, 900, End::kNothing}).at(placeAhead(0.7), 0.0);
+  EXPECT_EQ(seen.kind, Kind::kSeen);
+  EXPECT_EQ(seen.stamp, at(101.0));
+  EXPECT_EQ(seen.looked, at(103.0));
+  const auto hidden = ahead(robot, {1000, 1000, 500, End::kSurface}).at(placeAhead(0.7), 0.0);
+  EXPECT_EQ(hidden.kind, Kind::kBehind);
+  EXPECT_EQ(hidden.stamp, at(101.0));
+  for (const End end : {End::kRobot, End::kNever}) {
+    const auto unseen = ahead(robot, {1000, 1000, 500, end}).at(placeAhead(0.7), 0.0);
+    EXPECT_EQ(unseen.kind, Kind::kBehindRobot);
+    EXPECT_EQ(unseen.stamp, at(103.0));
+  }
+}
+
+TEST(LookImageTest, BehindANewSurfaceItDoesNotCountWhatWasSeenBefore) {
+  const LookImage image = ahead({3000, 3000, 400, End::kSurface}, {1000, 1000, 900, End::kNothing});
+  EXPECT_EQ(image.at(placeAhead(0.7), 0.0).kind, Kind::kBehind);
+}
+
+TEST(LookImageTest, ACopyAnswersAsTheOriginalAndForgetsWhatItWas) {
+  const LookImage image = ahead({2000, 2500, 800, End::kSurface});
+  for (const double resolution : {0.035, 0.1}) {
+    LookImage copy(resolution);
+    copy.begin(at(1.0), Vector3::Zero());
+    copy.edit(0, 3) = {LookImage::Pass{1, 1, 100, End::kRobot}, LookImage::Pass{}};
+    copy.copyFrom(image);
+    EXPECT_EQ(copy.grid().rows(), image.grid().rows());
+    EXPECT_EQ(copy.viewpoint(), kViewpoint);
+    EXPECT_EQ(copy.rowBegin(), image.rowBegin());
+    EXPECT_EQ(copy.rowEnd(), image.rowEnd());
+    EXPECT_EQ(copy.at(placeAhead(0.5), 0.0).stamp, at(102.5));
+    for (std::size_t pixel = 0; pixel < image.grid().pixels(); ++pixel) {
+      ASSERT_EQ(copy.passes(pixel)[0].end, image.passes(pixel)[0].end) << pixel;
+    }
+  }
+}
+
+TEST(LookImageTest, AResolutionThatIsNoneIsRefused) {
+  EXPECT_THROW(LookImage(0.0), ConfigError);
+  EXPECT_THROW(LookImage(1.0), ConfigError);
+}
+
+}  // namespace
+}  // namespace tccm

@@ -1,0 +1,225 @@
+// What leaves the window while nobody looks at its place is held.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "support/random.h"
+#include "tccm_monitor/map/mapper.h"
+
+namespace tccm {
+namespace {
+
+constexpr double kScanPeriod = 0.025;  // [s]
+constexpr int kWindow = 4;             // scans
+const Vector3 kViewpoint(0.1, 0.1, 1.5);
+const Vector3 kPlace(0.15, 0.15, 0.5);
+const Vector3 kElsewhere(0.05, 0.05, 0.3);
+
+Time at(double seconds) { return Time(fromSeconds(seconds)); }
+
+Mapper::Config config() {
+  Mapper::Config config;
+  config.map.grid.origin_y_m = 0.0;
+  config.map.grid.size_x_m = config.map.grid.size_y_m = 0.2;
+  config.map.returns_max = 10000;
+  config.map.intervals_max = 1000;
+  config.held_max = 1000;
+  config.window_scans = kWindow;
+  config.hold_s = 1.0;
+  return config;
+}
+
+/// Feeds scans, and lists what the map holds.
+class Feed {
+ public:
+  explicit Feed(const Mapper::Config& config = ::tccm::config()) : mapper_(config) {}
+
+  void scan(std::vector<Look> looks = {}, int times = 1) {
+    for (int i = 0; i < times; ++i) {
+      ScanReturns scan;
+      scan.stamp = at(kScanPeriod * ++scans_);
+      scan.viewpoint = kViewpoint;
+      scan.looks = looks;
+      for (const Look& look : looks) {
+        if (look.what == Look::End::kSurface) scan.points.push_back(look.end);
+      }
+      EXPECT_EQ(mapper_.add(scan).dropped, "");
+    }
+  }
+  std::size_t count(bool held) {
+    mapper_.snapshot(map_);
+    std::size_t count = 0;
+    for (const Cuboid& cuboid : map_.cuboids) count += cuboid.held == held ? 1 : 0;
+    return count;
+  }
+  std::size_t live() { return count(false); }
+  std::size_t held() { return count(true); }
+  const CuboidMap& map() { return count(true), map_; }
+  Mapper& mapper() { return mapper_; }
+
+ private:
+  Mapper mapper_;
+  CuboidMap map_;
+  int scans_ = 0;
+};
+
+Look to(const Vector3& end, Look::End what = Look::End::kSurface) {
+  return {kViewpoint, end, what};
+}
+/// Past a place, to so much of its distance.
+Look past(const Vector3& place, double share, Look::End what = Look::End::kSurface) {
+  return to(kViewpoint + share * (place - kViewpoint), what);
+}
+
+TEST(MapperHoldTest, WhatNobodyLookedAtAgainIsHeldWithItsPointsAndItsAge) {
+  Feed feed;
+  feed.scan({to(kPlace), to(kPlace)});
+  feed.scan({}, kWindow - 1);
+  EXPECT_EQ(feed.live(), 1U);
+  EXPECT_EQ(feed.held(), 0U);
+  const Cuboid live = feed.map().cuboids.front();
+  feed.scan({}, 3);
+  EXPECT_EQ(feed.live(), 0U);
+  ASSERT_EQ(feed.held(), 1U);
+  const Cuboid held = feed.map().cuboids.front();
+  EXPECT_EQ(held.cell, live.cell);
+  EXPECT_EQ(held.bottom, live.bottom);
+  EXPECT_EQ(held.top, live.top);
+  EXPECT_EQ(held.points, 2U);
+  EXPECT_EQ(held.age_scans, live.age_scans + 3);
+}
+
+TEST(MapperHoldTest, WhatWasLookedThroughMeanwhileIsGone) {
+  Feed feed;
+  feed.scan({to(kPlace)});
+  feed.scan({past(kPlace, 1.5, Look::End::kNothing)});
+  feed.scan({}, kWindow);
+  EXPECT_EQ(feed.live() + feed.held(), 0U);
+}
+
+TEST(MapperHoldTest, ALookThatEndsOnTheRobotOrBeforeThePlaceLeavesItHeld) {
+  for (const Look& look :
+       {past(kPlace, 1.5, Look::End::kRobot), past(kPlace, 0.8, Look::End::kNothing),
+        past(kPlace + Vector3(0.06, 0.0, 0.0), 1.5, Look::End::kNothing)}) {
+    Feed feed;
+    feed.scan({to(kPlace)});
+    feed.scan({look});
+    feed.scan({}, kWindow);
+    EXPECT_EQ(feed.held(), 1U);
+    feed.scan({look});
+    EXPECT_EQ(feed.held(), 1U);
+  }
+}
+
+TEST(MapperHoldTest, AHeldIntervalIsLetGoOfOnceItsPlaceIsSeenAgain) {
+  for (const Look& look : {past(kPlace, 1.5, Look::End::kNothing), past(kPlace, 1.1), to(kPlace),
+                           past(kPlace, 0.97)}) {
+    Feed feed;
+    feed.scan({to(kPlace)});
+    feed.scan({}, kWindow);
+    ASSERT_EQ(feed.held(), 1U);
+    feed.scan({look});
+    EXPECT_EQ(feed.held(), 0U);
+  }
+}
+
+TEST(MapperHoldTest, ItIsHeldForHoldSecondsAtMost) {
+  Feed feed;
+  feed.scan({to(kPlace)});
+  feed.scan({}, kWindow);
+  feed.scan({}, 40);  // 1 s
+  EXPECT_EQ(feed.held(), 1U);
+  feed.scan({});
+  EXPECT_EQ(feed.held(), 0U);
+}
+
+TEST(MapperHoldTest, WithoutHoldingItIsGoneAtOnce) {
+  Mapper::Config off = config();
+  off.hold_s = 0.0;
+  Feed feed(off);
+  feed.scan({to(kPlace)});
+  feed.scan({}, kWindow);
+  EXPECT_EQ(feed.live() + feed.held(), 0U);
+}
+
+TEST(MapperHoldTest, WhatWasLookedAtBeforeTheScanThatSawItCountsForNothing) {
+  Feed feed;
+  feed.scan({past(kPlace, 1.5, Look::End::kNothing)});
+  feed.scan({to(kPlace)});
+  feed.scan({}, kWindow);
+  EXPECT_EQ(feed.held(), 1U);
+}
+
+TEST(MapperHoldTest, WhatTheRobotTakesIsNotHeld) {
+  Feed feed;
+  feed.scan({to(kPlace), to(kElsewhere)});
+  feed.scan({}, kWindow);
+  ASSERT_EQ(feed.held(), 2U);
+  const PaddedShape ball{{Sphere{0.02}, Pose(Eigen::Translation3d(kPlace))}, 0.02};
+  feed.mapper().forget({ball}, at(0.0));
+  EXPECT_EQ(feed.held(), 1U);
+  feed.mapper().clear();
+  EXPECT_EQ(feed.held(), 0U);
+}
+
+TEST(MapperHoldTest, WhereMoreIsToBeHeldThanThereIsRoomForTheMapIsNotToBeTrusted) {
+  Mapper::Config tight = config();
+  tight.held_max = 1;
+  Feed feed(tight);
+  feed.scan({to(kPlace), to(kElsewhere)});
+  feed.scan({}, kWindow);
+  EXPECT_EQ(feed.held(), 1U);
+  EXPECT_TRUE(feed.map().overflowed);
+  feed.scan({}, kWindow);
+  EXPECT_FALSE(feed.map().overflowed);
+}
+
+/// Heights in quanta, by cell.
+using Occupied = std::set<std::pair<CellIndex, int>>;
+
+Occupied occupiedBy(const CuboidMap& map, bool held) {
+  Occupied occupied;
+  for (const Cuboid& cuboid : map.cuboids) {
+    if (cuboid.held != held) continue;
+    for (int h = cuboid.bottom; h < cuboid.top; ++h) occupied.insert({cuboid.cell, h});
+  }
+  return occupied;
+}
+
+TEST(MapperHoldTest, RandomStreamsLeaveTheLiveMapAsItIsWithoutHoldingAndApartFromWhatIsHeld) {
+  Mapper::Config off = config();
+  off.hold_s = 0.0;
+  Feed holding, plain(off);
+  test::Random random(5);
+  std::size_t most = 0;
+  for (int step = 0; step < 3000; ++step) {
+    std::vector<Look> looks;
+    for (int i = random.integer(0, 6); i > 0; --i) {
+      const Vector3 place(random.uniform(0.0, 0.2), random.uniform(0.0, 0.2),
+                          random.uniform(0.1, 0.3));
+      looks.push_back(
+          random.chance(0.3)
+              ? past(place, 1.4, random.chance(0.5) ? Look::End::kRobot : Look::End::kNothing)
+              : to(place));
+    }
+    holding.scan(looks);
+    plain.scan(looks);
+    const Occupied live = occupiedBy(holding.map(), false);
+    ASSERT_EQ(live, occupiedBy(plain.map(), false)) << step;
+    const Occupied held = occupiedBy(holding.map(), true);
+    for (const auto& place : held) ASSERT_EQ(live.count(place), 0U) << step;
+    const auto& cuboids = holding.map().cuboids;
+    for (std::size_t i = 1; i < cuboids.size(); ++i) {
+      const Cuboid &below = cuboids[i - 1], &above = cuboids[i];
+      ASSERT_TRUE(below.cell < above.cell ||
+                  (below.cell == above.cell && below.top <= above.bottom));
+    }
+    most = std::max(most, holding.held());
+  }
+  EXPECT_GT(most, 20U);
+}
+
+}  // namespace
+}  // namespace tccm
