@@ -5,11 +5,10 @@
 
 namespace tccm {
 
-std::optional<Look::End> lookOf(BeamKind kind) {
+Look::End lookEndOf(BeamKind kind) {
   if (kind == BeamKind::kReturn) return Look::End::kSurface;
   if (kind == BeamKind::kNoReturn) return Look::End::kNothing;
-  if (kind == BeamKind::kSelf) return Look::End::kRobot;
-  return std::nullopt;
+  return kind == BeamKind::kSelf ? Look::End::kRobot : Look::End::kUnclear;
 }
 
 void takeReturns(const AssembledScan& scan, ScanReturns& returns) {
@@ -20,9 +19,7 @@ void takeReturns(const AssembledScan& scan, ScanReturns& returns) {
   returns.looks.clear();
   for (const Beam& beam : scan.beams) {
     if (beam.kind == BeamKind::kReturn) returns.points.push_back(beam.p_fixed);
-    if (const auto what = lookOf(beam.kind)) {
-      returns.looks.push_back({beam.viewpoint, beam.p_fixed, *what});
-    }
+    returns.looks.push_back({beam.viewpoint, beam.p_fixed, lookEndOf(beam.kind)});
   }
 }
 

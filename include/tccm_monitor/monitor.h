@@ -2,7 +2,6 @@
 
 #include <array>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "tccm_monitor/check/checker.h"
@@ -12,9 +11,9 @@
 
 namespace tccm {
 
-/// What a beam's look ended on; nothing where it says nothing of the space along it: it measured
-/// nothing, lies between two surfaces or in the robot's shadow.
-[[nodiscard]] std::optional<Look::End> lookOf(BeamKind kind);
+/// What a beam of that kind says of the space along it. It is unclear where it measured nothing, or
+/// its end lies between two surfaces or in the robot's shadow.
+[[nodiscard]] Look::End lookEndOf(BeamKind kind);
 
 /// The map's part of an assembled scan. Reuses the memory of `returns`.
 void takeReturns(const AssembledScan& scan, ScanReturns& returns);

@@ -211,6 +211,9 @@ Cause CheckInputs::mapCause(Time now, bool joints_known) const {
                                       fromSeconds(config_.map_age_max_s))};
   }
   if (map_->overflowed) return {Reason::kMapOverflow, "points were left out of the map"};
+  if (map_->tilt_stopped) {
+    return {Reason::kSweepIncomplete, "the sensor's tilt stands still, or does not turn in time"};
+  }
   if (!map_->complete) return {Reason::kInit, "the map does not hold a whole sweep yet"};
   return {};
 }

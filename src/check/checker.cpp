@@ -24,6 +24,8 @@ void Checker::Config::validate() const {
   pose.validate();
   inputs.validate();
   way.validate();
+  evidence.validate();
+  governed_speed.validate();
   trajectories.validate();
   permission.validate();
   exemptions.validate();
@@ -40,6 +42,8 @@ Checker::Checks::Checks(const std::shared_ptr<const RobotModel>& model, const Co
       ahead(now),
       state(now),
       way(model, config.pose, config.way),
+      evidence(*model, config.evidence, now.collisionShapes(), config.pose.occlusion_use),
+      governed_speed(model, config.governed_speed, now.collisionShapes()),
       clearance(model, config.pose.collision_use, config.pose.collision, config.clearance_radius_m),
       trajectory(model, config.trajectoryCheck()),
       kinematics(model) {
@@ -134,6 +138,8 @@ void Checker::startAnew() {
   exemptions_.clear();
   exempt();
   permission_.startAnew();
+  checks_.governed_speed.startAnew();
+  verdict_.speed_scale = 0.0;
   started_ = false;
 }
 
@@ -185,6 +191,8 @@ void Checker::look(Time now, const JointSnapshot& joints) {
   checks_.ahead.check(map, checks_.way.positionsAtEnd(), T_fixed_roots, verdict_.ahead);
   judgeContacts(joints);
   judgeOcclusion();
+  judgeEvidence(now);
+  governSpeed(now, joints);
   if (config_.clearance_radius_m > 0.0) {
     Stopwatch stopwatch;
     verdict_.clearances = checks_.clearance.find(map, joints.positions, T_fixed_roots);
@@ -248,10 +256,10 @@ void Checker::judgeOcclusion() {
   // The links are the same at both poses.
   bool comes_out = !ahead;
   for (std::size_t i = 0; comes_out && i < verdict_.now.links.size(); ++i) {
-    const double now = verdict_.now.links[i].visible_fraction;
-    const double then = verdict_.ahead.links[i].visible_fraction;
+    const double now = verdict_.now.links[i].occluded_fraction;
+    const double then = verdict_.ahead.links[i].occluded_fraction;
     const bool is_hidden = checks_.now.isOccluded(verdict_.now.links[i]);
-    if (is_hidden) comes_out = then >= now + kMoreVisible;
+    if (is_hidden) comes_out = then <= now - kMoreVisible;
     if (!is_hidden && checks_.now.isOccluded(verdict_.ahead.links[i])) comes_out = false;
   }
   if (comes_out) {
@@ -262,6 +270,53 @@ void Checker::judgeOcclusion() {
   add({reason, config_.occlusion_stops ? Level::kStop : Level::kSlow,
        link + " is hidden from the sensor" + (ahead ? " ahead" : ""), link},
       config_.occlusion_stops ? 0.0 : config_.occlusion_slow_scale);
+}
+
+void Checker::judgeEvidence(Time now) {
+  Stopwatch stopwatch;
+  const EvidenceCheck::Config& limits = config_.evidence;
+  const EvidenceCheck::Findings& found = checks_.evidence.find(
+      *inputs_.map(), now, checks_.now.collisionBody(), checks_.ahead.collisionBody());
+  verdict_.evidence_us = stopwatch.lapMicroseconds();
+  verdict_.unseen_fraction = found.unseen_fraction;
+  const auto nameOf = [this](const LinkEvidence* link) { return model_->links()[link->link]; };
+  if (found.unseen_fraction > limits.unseen_fraction_max) {
+    const std::string link = nameOf(found.mostUnseen());
+    char text[200];
+    std::snprintf(text, sizeof text, "%.0f %% of the way ahead is unseen, most of %.100s's",
+                  100.0 * found.unseen_fraction, link.c_str());
+    add({Reason::kUnseenAhead, limits.unseen_stops ? Level::kStop : Level::kSlow, text, link},
+        limits.unseen_stops ? 0.0 : limits.slow_scale);
+  }
+  const LinkEvidence* lost = found.mostLost();
+  const LinkEvidence* old = found.mostOld();
+  if (lost && lost->lost_fraction > limits.old_fraction_max) {
+    add({Reason::kEvidenceOld, "the sensor looks no more where " + nameOf(lost) + " is",
+         nameOf(lost)},
+        0.0);
+  } else if (old && old->old_fraction > limits.old_fraction_max) {
+    add({Reason::kEvidenceOld, Level::kSlow,
+         "the sensor did not look lately where " + nameOf(old) + " is", nameOf(old)},
+        limits.slow_scale);
+  }
+}
+
+void Checker::governSpeed(Time now, const JointSnapshot& joints) {
+  verdict_.governed_scale = 1.0;
+  if (!checks_.governed_speed.active()) return;
+  const GovernedSpeed::Limit& limit = checks_.governed_speed.find(
+      *inputs_.map(), now, joints, inputs_.rootPoses(), verdict_.speed_scale);
+  verdict_.governed_scale = limit.scale;
+  if (limit.scale >= 1.0) return;
+  const std::string& link = model_->links()[limit.link];
+  char text[200];
+  if (limit.next_look_s) {
+    std::snprintf(text, sizeof text, "%.100s: the place ahead is looked at in %.0f ms",
+                  link.c_str(), 1e3 * *limit.next_look_s);
+  } else {
+    std::snprintf(text, sizeof text, "%.100s: no look at the place ahead is due", link.c_str());
+  }
+  add({Reason::kSpeedGoverned, text, link}, limit.scale);
 }
 
 const Verdict& Checker::fail(Time now, const Cause& cause) {

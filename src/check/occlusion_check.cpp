@@ -20,44 +20,58 @@ OcclusionCheck::OcclusionCheck(const Config& config, std::vector<std::uint32_t> 
     const auto found = std::find_if(links.begin(), links.end(),
                                     [link](const LinkVisibility& l) { return l.link == link; });
     slot_of_shape_.push_back(static_cast<std::uint32_t>(found - links.begin()));
-    if (found == links.end()) links.push_back({link, 0.0, 1.0});
+    if (found == links.end()) {
+      links.emplace_back();
+      links.back().link = link;
+    }
   }
   order_.reserve(link_of_shape.size());
-  hidden_.resize(result_.links.size());
 }
 
 const OcclusionCheck::Result& OcclusionCheck::find(const CuboidMap& map, const Body& body) {
-  buffer_.begin(map.viewpoint);
+  const Vector3& viewpoint = map.looks.empty() ? map.viewpoint : map.looks.viewpoint();
+  buffer_.begin(viewpoint);
   result_.cuboids.clear();
   result_.cuboids.reserve(map.cuboids.capacity());
-  drawFromNearToFar(map.viewpoint, body);
+  drawFromNearToFar(viewpoint, body);
   for (std::uint32_t k = 0; k < map.cuboids.size(); ++k) {
     const auto silhouette = buffer_.silhouette(map, k);
     if (silhouette && buffer_.cover(*silhouette, config_.margin_m)) result_.cuboids.push_back(k);
   }
-  countPixels();
-  for (std::size_t i = 0; i < result_.links.size(); ++i) {
-    LinkVisibility& link = result_.links[i];
-    link.visible_fraction = link.silhouette > 0.0 ? 1.0 - hidden_[i] / link.silhouette : 1.0;
-  }
+  countPixels(map.looks);
   return result_;
 }
 
-void OcclusionCheck::countPixels() {
-  std::fill(hidden_.begin(), hidden_.end(), 0.0);
-  for (LinkVisibility& link : result_.links) link.silhouette = 0.0;
-  // Pixels of a primitive mostly follow one another.
-  const std::vector<std::uint32_t>& drawn = buffer_.drawn();
-  for (std::size_t k = 0; k < drawn.size();) {
-    const std::uint32_t shape = buffer_.pixelAt(drawn[k]).shape;
-    double shown = 0.0, hidden = 0.0;
-    for (; k < drawn.size() && buffer_.pixelAt(drawn[k]).shape == shape; ++k) {
-      const double weight = buffer_.weightAt(drawn[k]);
-      shown += weight;
-      if (buffer_.pixelAt(drawn[k]).covered) hidden += weight;
+OcclusionCheck::PixelSight OcclusionCheck::sightOf(const LookImage& looks,
+                                                   std::uint32_t pixel) const {
+  using Kind = LookImage::Sight::Kind;
+  const ZBuffer::Pixel& drawn = buffer_.pixelAt(pixel);
+  const bool same_grid = looks.grid().rows() == buffer_.rows();
+  const std::size_t index = same_grid ? pixel : looks.grid().pixelOf(buffer_.grid().middle(pixel));
+  const Kind kind = looks.at(index, static_cast<double>(drawn.depth), config_.margin_m).kind;
+  if (kind == Kind::kSeen) return PixelSight::kVisible;
+  if (kind == Kind::kBehind || drawn.covered) return PixelSight::kOccluded;
+  return PixelSight::kUnseen;
+}
+
+void OcclusionCheck::countPixels(const LookImage& looks) {
+  for (LinkVisibility& link : result_.links) {
+    link.silhouette = link.occluded_fraction = link.unseen_fraction = 0.0;
+  }
+  for (const std::uint32_t pixel : buffer_.drawn()) {
+    LinkVisibility& link = result_.links[slot_of_shape_[buffer_.pixelAt(pixel).shape]];
+    const double weight = buffer_.weightAt(pixel);
+    const PixelSight sight = sightOf(looks, pixel);
+    link.silhouette += weight;
+    if (sight == PixelSight::kOccluded) link.occluded_fraction += weight;
+    if (sight == PixelSight::kUnseen) link.unseen_fraction += weight;
+  }
+  for (LinkVisibility& link : result_.links) {
+    if (link.silhouette > 0.0) {
+      link.occluded_fraction /= link.silhouette;
+      link.unseen_fraction /= link.silhouette;
     }
-    result_.links[slot_of_shape_[shape]].silhouette += shown;
-    hidden_[slot_of_shape_[shape]] += hidden;
+    link.visible_fraction = std::max(0.0, 1.0 - link.occluded_fraction - link.unseen_fraction);
   }
 }
 
@@ -73,14 +87,14 @@ void OcclusionCheck::drawFromNearToFar(const Vector3& viewpoint, const Body& bod
 
 bool OcclusionCheck::isOccluded(const LinkVisibility& link) const {
   return link.silhouette >= config_.silhouette_min_pixels &&
-         1.0 - link.visible_fraction >= config_.hidden_fraction;
+         link.occluded_fraction >= config_.hidden_fraction;
 }
 
 const LinkVisibility* OcclusionCheck::Result::worst() const {
-  const auto least = std::min_element(links.begin(), links.end(), [](const auto& a, const auto& b) {
-    return a.visible_fraction < b.visible_fraction;
+  const auto most = std::max_element(links.begin(), links.end(), [](const auto& a, const auto& b) {
+    return a.occluded_fraction < b.occluded_fraction;
   });
-  return least == links.end() ? nullptr : &*least;
+  return most == links.end() ? nullptr : &*most;
 }
 
 }  // namespace tccm

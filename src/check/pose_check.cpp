@@ -70,7 +70,7 @@ std::string PoseCheck::mostHiddenLink(const PoseFindings& findings) const {
   const LinkVisibility* most = nullptr;
   for (const LinkVisibility& link : findings.links) {
     if (!occlusion_.isOccluded(link)) continue;
-    if (!most || link.visible_fraction < most->visible_fraction) most = &link;
+    if (!most || link.occluded_fraction > most->occluded_fraction) most = &link;
   }
   return most ? model_->links()[most->link] : std::string();
 }

@@ -14,6 +14,12 @@ const char* name(Reason reason) {
       return "AWAITING_RESET";
     case Reason::kInit:
       return "INIT";
+    case Reason::kSpeedGoverned:
+      return "SPEED_GOVERNED";
+    case Reason::kUnseenAhead:
+      return "UNSEEN_AHEAD";
+    case Reason::kEvidenceOld:
+      return "EVIDENCE_OLD";
     case Reason::kOcclusionAhead:
       return "OCCLUSION_AHEAD";
     case Reason::kOcclusion:
@@ -30,6 +36,8 @@ const char* name(Reason reason) {
       return "NO_MAP";
     case Reason::kMapLate:
       return "MAP_LATE";
+    case Reason::kSweepIncomplete:
+      return "SWEEP_INCOMPLETE";
     case Reason::kBlind:
       return "BLIND";
     case Reason::kNoJoints:
@@ -52,7 +60,9 @@ const char* name(Reason reason) {
 
 Level levelOf(Reason reason) {
   if (reason == Reason::kClear) return Level::kOk;
-  if (reason == Reason::kMovingOut) return Level::kSlow;
+  for (const Reason slow : {Reason::kMovingOut, Reason::kSpeedGoverned, Reason::kUnseenAhead}) {
+    if (reason == slow) return Level::kSlow;
+  }
   return reason <= Reason::kBadTrajectory ? Level::kStop : Level::kFault;
 }
 

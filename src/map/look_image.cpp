@@ -1,6 +1,7 @@
 #include "tccm_monitor/map/look_image.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "tccm_monitor/config_error.h"
 
@@ -22,28 +23,63 @@ LookImage::LookImage(double resolution_rad)
 LookImage::Sight LookImage::at(const Vector3& p_fixed, double margin_m) const {
   const Vector3 sight = p_fixed - viewpoint_;
   const double range = sight.norm();
-  if (!(range > kNearest)) return {Sight::Kind::kNeverLooked, epoch_, epoch_};
+  if (!(range > kNearest)) return {Sight::Kind::kNeverLooked, epoch_};
   return at(grid_.pixelOf(sight), range, margin_m);
 }
 
 LookImage::Sight LookImage::at(std::size_t pixel, double range_m, double margin_m) const {
-  Sight sight{Sight::Kind::kNeverLooked, epoch_, epoch_};
+  Sight sight{Sight::Kind::kNeverLooked, epoch_};
   const Passes& passes = passes_[pixel];
-  if (passes.front().end == End::kNever) return sight;
-  sight.looked = timeOf(passes.front().last);
+  const bool is_regular = std::all_of(passes.begin(), passes.end(), [](const Pass& pass) {
+    return pass.end != End::kNever && !pass.moved;
+  });
+  if (is_regular) sight.looked = timeOf(passes.front().last);
   for (const Pass& pass : passes) {
     if (pass.end == End::kNever) break;
     const bool reaches = pass.range() >= range_m - margin_m;
-    if (reaches || pass.end != End::kRobot) {
+    const bool is_clear = pass.end != End::kUnclear;
+    if (is_clear && (reaches || pass.end != End::kRobot)) {
       sight.kind = reaches ? Sight::Kind::kSeen : Sight::Kind::kBehind;
       sight.stamp = timeOf(pass.last);
       return sight;
     }
-    if (sight.kind == Sight::Kind::kBehindRobot) continue;
-    sight.kind = Sight::Kind::kBehindRobot;
+    if (sight.kind == Sight::Kind::kUnclear) continue;
+    sight.kind = Sight::Kind::kUnclear;
     sight.stamp = timeOf(pass.last);
   }
   return sight;
+}
+
+Time LookImage::lookedAround(const Vector3& p_fixed, double angle) const {
+  const auto pixel = static_cast<int>(grid_.pixelOf(p_fixed - viewpoint_));
+  const int middle_row = grid_.rowOfPixel(static_cast<std::size_t>(pixel));
+  const int middle = pixel - middle_row * grid_.columns();
+  const int rows = static_cast<int>(std::ceil(angle / grid_.resolution()));
+  Ticks newest = 0;
+  for (int row = std::max(row_begin_, middle_row - rows);
+       row < std::min(row_end_, middle_row + rows + 1); ++row) {
+    const int reach = grid_.columnsWithin(row, angle);
+    for (int c = middle - reach; c <= middle + reach; ++c) {
+      const Pass& pass = passes_[grid_.index(row, grid_.wrapped(c))].front();
+      if (pass.end != End::kNever && !pass.moved) newest = std::max(newest, pass.last);
+    }
+  }
+  return timeOf(newest);
+}
+
+std::optional<Time> LookImage::nextLook(const Vector3& p_fixed, double margin_m, Time now,
+                                        Duration period, Duration late_max) const {
+  const Vector3 sight = p_fixed - viewpoint_;
+  const double range = sight.norm();
+  if (!(range > kNearest)) return std::nullopt;
+  std::optional<Time> next;
+  for (const Pass& pass : passes_[grid_.pixelOf(sight)]) {
+    if (pass.end == End::kNever || pass.end == End::kUnclear) continue;
+    if (pass.range() < range - margin_m) continue;
+    const Time due = timeOf(pass.first) + period;
+    if (due >= now - late_max && (!next || due < *next)) next = due;
+  }
+  return next;
 }
 
 void LookImage::clear() {

@@ -18,14 +18,26 @@ constexpr double kMoveMax = 0.01;    // [m] of the mean, before directions are t
 constexpr double kNearest = 1e-3;    // [m]; an end this near has no direction
 constexpr Duration kLongest = std::chrono::hours(24 * 24);  // that milliseconds are counted for
 
+/// A look that is unclear counts only where no other does.
+double handicap(End end) { return end == End::kUnclear ? 2.0 : 0.0; }
+
 LookImage::Ticks toTicks(Duration duration) {
   return static_cast<LookImage::Ticks>(
       std::chrono::duration_cast<std::chrono::milliseconds>(duration).count());
 }
 
 End toEnd(Look::End what) {
-  if (what == Look::End::kSurface) return End::kSurface;
-  return what == Look::End::kNothing ? End::kNothing : End::kRobot;
+  switch (what) {
+    case Look::End::kSurface:
+      return End::kSurface;
+    case Look::End::kNothing:
+      return End::kNothing;
+    case Look::End::kRobot:
+      return End::kRobot;
+    case Look::End::kUnclear:
+      break;
+  }
+  return End::kUnclear;
 }
 
 /// Rounded down: what is not sure to have been seen was not.
@@ -80,7 +92,7 @@ void LookMap::add(Time stamp, const std::vector<Look>& looks) {
     const auto beam = beamTo(look.end, {now, now, 0, toEnd(look.what)});
     if (!beam) continue;
     if (best && best->pixel != beam->pixel) note(*best);
-    if (!best || best->pixel != beam->pixel || beam->cosine > best->cosine) best = beam;
+    if (!best || best->pixel != beam->pixel || beam->aim > best->aim) best = beam;
   }
   if (best) note(*best);
 }
@@ -98,9 +110,7 @@ std::optional<LookMap::Beam> LookMap::beamTo(const Vector3& end, const Pass& pas
   const DirectionGrid& grid = image_.grid();
   Beam beam{end, sight / range, pass, grid.pixelOf(sight)};
   beam.pass.range_mm = toMillimetres(range);
-  const int row = grid.rowOfPixel(beam.pixel);
-  beam.cosine =
-      grid.middle(row, static_cast<int>(beam.pixel) - row * grid.columns()).dot(beam.direction);
+  beam.aim = grid.middle(beam.pixel).dot(beam.direction) - handicap(pass.end);
   return beam;
 }
 
@@ -118,16 +128,17 @@ void LookMap::spread(const Beam& beam, Note&& note) const {
     for (int c = middle - reach; c <= middle + reach; ++c) {
       const int column = grid.wrapped(c);
       const double cosine = up + grid.cosine(row) * grid.columnMiddle(column).dot(d.head<2>());
-      if (cosine >= spread_cosine_) note(row, column, static_cast<float>(cosine));
+      if (cosine < spread_cosine_) continue;
+      note(row, column, static_cast<float>(cosine - handicap(beam.pass.end)));
     }
   }
 }
 
 void LookMap::note(const Beam& beam) {
-  spread(beam, [&](int row, int column, float cosine) { note(row, column, beam, cosine); });
+  spread(beam, [&](int row, int column, float aim) { note(row, column, beam, aim); });
 }
 
-void LookMap::note(int row, int column, const Beam& beam, float cosine) {
+void LookMap::note(int row, int column, const Beam& beam, float aim) {
   LookImage::Passes& passes = image_.edit(row, column);
   Aims& aims = aims_[image_.grid().index(row, column)];
   const Ticks now = beam.pass.last;
@@ -138,12 +149,12 @@ void LookMap::note(int row, int column, const Beam& beam, float cosine) {
   } else {
     passes[0].last = now;
     // The best look of a long pass must not be one of long ago.
-    if (cosine < aims[0].cosine && now - aims[0].stamp <= pass_gap_) return;
+    if (aim < aims[0].aim && now - aims[0].stamp <= pass_gap_) return;
   }
   const Ticks first = is_new ? now : passes[0].first;
   passes[0] = beam.pass;
   passes[0].first = first;
-  aims[0] = {beam.end.cast<float>(), cosine, now};
+  aims[0] = {beam.end.cast<float>(), aim, now};
 }
 
 void LookMap::moveTo(const Vector3& viewpoint) {
@@ -156,23 +167,24 @@ void LookMap::moveTo(const Vector3& viewpoint) {
       const std::size_t pixel = image_.grid().index(row, column);
       for (std::size_t k = 0; k < LookImage::kPasses; ++k) {
         const Pass& pass = old_image_.passes(pixel)[k];
-        const Aim& aim = old_aims_[pixel][k];
-        const auto beam = beamTo(aim.end.cast<double>(), pass);
+        const Aim& old = old_aims_[pixel][k];
+        const auto beam = beamTo(old.end.cast<double>(), pass);
         if (pass.end == End::kNever || !beam) continue;
-        spread(*beam, [&](int r, int c, float cosine) { noteAgain(r, c, k, *beam, aim, cosine); });
+        spread(*beam, [&](int r, int c, float aim) { noteAgain(r, c, k, *beam, old, aim); });
       }
     }
   }
 }
 
 /// Passes that were the k-th newest in neighbouring directions are taken for one.
-void LookMap::noteAgain(int row, int column, std::size_t k, const Beam& beam, const Aim& aim,
-                        float cosine) {
+void LookMap::noteAgain(int row, int column, std::size_t k, const Beam& beam, const Aim& old,
+                        float aim) {
   Pass& pass = image_.edit(row, column)[k];
   Aim& best = aims_[image_.grid().index(row, column)][k];
-  if (pass.end != End::kNever && cosine <= best.cosine) return;
+  if (pass.end != End::kNever && aim <= best.aim) return;
   pass = beam.pass;
-  best = {aim.end, cosine, aim.stamp};
+  pass.moved = true;
+  best = {old.end, aim, old.stamp};
 }
 
 std::size_t LookMap::memoryBytes() const {

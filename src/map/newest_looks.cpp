@@ -48,7 +48,7 @@ void NewestLooks::add(std::uint32_t serial, const std::vector<Look>& looks) {
   serial_ = serial;
   enclose(looks);
   for (const Look& look : looks) {
-    if (look.what == Look::End::kRobot) continue;
+    if (look.what == Look::End::kRobot || look.what == Look::End::kUnclear) continue;
     const Vector3 sight = look.end - look.viewpoint;
     const double range = sight.norm();
     if (!(range > kNearest)) continue;  // NaN, too

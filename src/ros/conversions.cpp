@@ -123,7 +123,6 @@ void toMessage(const AssembledScan& scan, const std::string& frame,
     const Eigen::Vector3f p = beam.p_fixed.cast<float>();
     const Eigen::Vector3f viewpoint = beam.viewpoint.cast<float>();
     const bool kept = beam.kind == BeamKind::kReturn;
-    const bool looked = lookOf(beam.kind).has_value();
     *point++ = {kept ? p.x() : kNaN,
                 kept ? p.y() : kNaN,
                 kept ? p.z() : kNaN,
@@ -133,9 +132,9 @@ void toMessage(const AssembledScan& scan, const std::string& frame,
                 static_cast<float>(beam.tilt),
                 static_cast<std::uint8_t>(beam.kind),
                 {0, 0, 0},
-                looked ? p.x() : kNaN,
-                looked ? p.y() : kNaN,
-                looked ? p.z() : kNaN};
+                p.x(),
+                p.y(),
+                p.z()};
   }
 }
 
@@ -159,9 +158,9 @@ std::string fromMessage(const sensor_msgs::PointCloud2& message, ScanReturns& re
     const Vector3 p(*x, *y, *z), end(*end_x, *end_y, *end_z);
     returns.viewpoint = {*vp_x, *vp_y, *vp_z};
     if (p.allFinite()) returns.points.push_back(p);
-    const auto what = *kind < kBeamKinds ? lookOf(static_cast<BeamKind>(*kind)) : std::nullopt;
-    if (what && end.allFinite() && returns.viewpoint.allFinite()) {
-      returns.looks.push_back({returns.viewpoint, end, *what});
+    const auto what = *kind < kBeamKinds ? static_cast<BeamKind>(*kind) : BeamKind::kUnknown;
+    if (end.allFinite() && returns.viewpoint.allFinite()) {
+      returns.looks.push_back({returns.viewpoint, end, lookEndOf(what)});
     }
     for (PointReader* field : {&x, &y, &z, &vp_x, &vp_y, &vp_z, &end_x, &end_y, &end_z}) ++*field;
     ++kind;

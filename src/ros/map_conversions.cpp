@@ -46,6 +46,7 @@ void toMessage(const LookImage& looks, tccm_monitor::Looks& message) {
       out->last_ms = pass.last;
       out->range_mm = pass.range_mm;
       out->end = static_cast<std::uint8_t>(pass.end);
+      out->moved = static_cast<std::uint8_t>(pass.moved);
       ++out;
     }
   }
@@ -73,8 +74,9 @@ std::string fromMessage(const tccm_monitor::Looks& message, LookImage& looks) {
   for (std::size_t i = 0; i < pixels; ++i) {
     const auto row = static_cast<int>(message.row_begin + i / columns);
     for (LookImage::Pass& pass : looks.edit(row, static_cast<int>(i % columns))) {
-      if (in->end > tccm_monitor::LookPass::ROBOT) return "a look ends on nothing that is known";
-      pass = {in->first_ms, in->last_ms, in->range_mm, static_cast<LookImage::End>(in->end)};
+      if (in->end > tccm_monitor::LookPass::UNCLEAR) return "a look ends on nothing that is known";
+      pass = {in->first_ms, in->last_ms, in->range_mm, static_cast<LookImage::End>(in->end),
+              in->moved != 0};
       ++in;
     }
   }

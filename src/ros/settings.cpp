@@ -78,10 +78,29 @@ void read(Parameters& parameters, WayAhead::Config& config) {
   parameters.read("moving_out_scale", config.moving_out_scale);
 }
 
+void read(Parameters& parameters, EvidenceCheck::Config& config) {
+  parameters.read("evidence_links", config.links);
+  parameters.read("evidence_margin_m", config.margin_m);
+  parameters.read("evidence_slow_periods", config.slow_periods);
+  parameters.read("evidence_stop_periods", config.stop_periods);
+  parameters.read("evidence_old_fraction_max", config.old_fraction_max);
+  parameters.read("unseen_fraction_max", config.unseen_fraction_max);
+  parameters.read("unseen_volume_min_m3", config.unseen_volume_min_m3);
+  parameters.read("unseen_slow_scale", config.slow_scale);
+  parameters.read("unseen_stops", config.unseen_stops);
+}
+
 void read(Parameters& parameters, Checker::Config& config) {
   read(parameters, config.pose);
   read(parameters, config.inputs);
   read(parameters, config.way);
+  read(parameters, config.evidence);
+  parameters.read("appear_distance_m", config.governed_speed.appear_distance_m);
+  parameters.read("appear_look_margin_m", config.governed_speed.look_margin_m);
+  parameters.read("appear_place_step_m", config.governed_speed.place_step_m);
+  parameters.read("commanded_speed_max_mps", config.governed_speed.speed_max_mps);
+  config.governed_speed.deceleration_mps2 = config.way.deceleration_mps2;
+  config.governed_speed.reaction_time_s = config.way.reaction_time_s;
   parameters.read("occlusion_stops", config.occlusion_stops);
   parameters.read("occlusion_slow_scale", config.occlusion_slow_scale);
   parameters.read("clearance_radius_m", config.clearance_radius_m);

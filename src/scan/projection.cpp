@@ -6,6 +6,7 @@
 namespace tccm {
 namespace {
 
+constexpr double kNoRange = 0.01;  // [m]
 constexpr Duration kLongestScan = std::chrono::seconds(1);
 
 BeamKind kindOf(float range, const LaserScan& scan) {
@@ -14,6 +15,11 @@ BeamKind kindOf(float range, const LaserScan& scan) {
   // The stored limit is a float made double: compare on the float's side of it.
   if (range >= static_cast<float>(scan.range_max)) return BeamKind::kNoReturn;
   return BeamKind::kReturn;
+}
+
+double rangeOf(BeamKind kind, float measured, const LaserScan& scan) {
+  if (kind == BeamKind::kReturn) return static_cast<double>(measured);
+  return kind == BeamKind::kNoReturn ? scan.range_max : kNoRange;
 }
 
 double elevationOfX(const Pose& T_fixed_sensor) {
@@ -57,7 +63,7 @@ bool project(const LaserScan& scan, const PosePath& T_fixed_sensor, AssembledSca
     if (scan.time_increment > Duration::zero() && i > 0) pose = *T_fixed_sensor.at(beam.stamp);
     const double angle = scan.angle_min + static_cast<double>(i) * scan.angle_increment;
     beam.kind = kindOf(scan.ranges[i], scan);
-    const double range = beam.kind == BeamKind::kNoReturn ? scan.range_max : scan.ranges[i];
+    const double range = rangeOf(beam.kind, scan.ranges[i], scan);
     beam.p_fixed = pose * Vector3(range * std::cos(angle), range * std::sin(angle), 0.0);
     beam.viewpoint = pose.translation();
     beam.tilt = elevationOfX(pose);

@@ -63,7 +63,7 @@ class CheckAllocatesNothingTest : public ::testing::Test {
   /// A link that is hidden in part stops nothing.
   static Checker::Config config() {
     Checker::Config config;
-    config.pose.occlusion.hidden_fraction = 1.0;
+    config.pose.occlusion.hidden_fraction = config.evidence.unseen_fraction_max = 1.0;
     return config;
   }
 
@@ -98,6 +98,7 @@ class CheckAllocatesNothingTest : public ::testing::Test {
       map->cuboids.reserve(kRoom);
       map->stamp = now;
       map->serial = ++serial_;
+      test::refreshLooks(*map);
       checker_.setMap(now, std::move(map));
       checker_.addJoints(now, now, names_, positionsAt(time_s_), {});
       is_counting = true;

@@ -246,6 +246,7 @@ TEST_F(CheckerTest, PositionsThatChangeCountAsAVelocityEvenIfZeroIsReported) {
 TEST_F(CheckerTest, AVelocityThatLeadsBehindTheShelfIsAnOcclusionAhead) {
   CuboidMap map = clear_;
   test::addBlock(map, {Vector3(0.40, -0.3, 0.78), Vector3(1.2, 0.3, 0.80)});
+  test::lookAround(map);
   EXPECT_EQ(feedAndCheck(kStart, map, 0.1).reason, Reason::kClear);
   EXPECT_EQ(feedAndCheck(kStart + 0.01, map, 0.1, 1.4).reason, Reason::kOcclusionAhead);
 }

@@ -193,6 +193,9 @@ class ExemptedCheckTest : public test::CheckerFixture {
     // Another post in the way of the other.
     both_ = post_;
     addBlock(both_, {Vector3(0.8, 0.3, 0.0), Vector3(0.9, 0.7, 0.7)});
+    test::lookAround(both_);
+    config_.evidence.unseen_fraction_max = 1.0;  // what is touched is not seen through
+    remake();
   }
   void exempt(const std::string& link, const PlacedShape& region, double duration_s = 5.0,
               double now = kStart) {

@@ -35,7 +35,7 @@ CuboidMap wall(double right, double left, double bottom, double top) {
 double hiddenOfBall(const CuboidMap& map, const Pose& place,
                     const OcclusionCheck::Config& config = {}) {
   OcclusionCheck check(config, {0});
-  return 1.0 - check.find(map, {{Sphere{0.15}}, {place}}).links[0].visible_fraction;
+  return check.find(map, {{Sphere{0.15}}, {place}}).links[0].occluded_fraction;
 }
 
 TEST(OcclusionCheckTest, WithoutCuboidsEverythingIsVisible) {
@@ -97,7 +97,7 @@ TEST(OcclusionCheckTest, APrimitiveAroundTheViewpointHasNoSilhouetteAndIsVisible
   OcclusionCheck check({}, {3});
   const auto& result = check.find(wall(-0.5, 0.5, -0.5, 0.5), {{Sphere{0.1}}, {placedAt(0, 0, 0)}});
   EXPECT_EQ(result.links[0].silhouette, 0.0);
-  EXPECT_EQ(result.links[0].visible_fraction, 1.0);
+  EXPECT_EQ(result.links[0].occluded_fraction, 0.0);
   EXPECT_FALSE(check.isOccluded(result.links[0]));
 }
 
@@ -109,8 +109,8 @@ TEST(OcclusionCheckTest, ShapesOfALinkAreJudgedTogetherAndLinksApart) {
   ASSERT_EQ(result.links.size(), 2U);
   EXPECT_EQ(result.links[0].link, 8U);
   EXPECT_EQ(result.links[1].link, 5U);
-  EXPECT_NEAR(result.links[0].visible_fraction, 1.0 / 3.0, 0.07) << "1 m and 1.41 m away";
-  EXPECT_EQ(result.links[1].visible_fraction, 1.0);
+  EXPECT_NEAR(result.links[0].occluded_fraction, 2.0 / 3.0, 0.07) << "1 m and 1.41 m away";
+  EXPECT_EQ(result.links[1].occluded_fraction, 0.0);
   EXPECT_EQ(result.worst()->link, 8U);
 }
 
@@ -118,9 +118,9 @@ TEST(OcclusionCheckTest, ALinkHiddenByTheRobotsOwnBodyIsNotCountedAsHiddenByCubo
   OcclusionCheck check({}, {0, 1});
   const Body body{{Sphere{0.1}, Sphere{0.1}}, {placedAt(0.3, 0, 0), placedAt(1, 0, 0)}};
   const auto& result = check.find(wall(-0.5, 0.5, -0.5, 0.5), body);
-  EXPECT_EQ(result.links[0].visible_fraction, 1.0);
+  EXPECT_EQ(result.links[0].occluded_fraction, 0.0);
   EXPECT_EQ(result.links[1].silhouette, 0.0);
-  EXPECT_EQ(result.links[1].visible_fraction, 1.0);
+  EXPECT_EQ(result.links[1].occluded_fraction, 0.0);
 }
 
 TEST(OcclusionCheckTest, TheCuboidsThatHideAreListed) {
@@ -141,10 +141,65 @@ TEST(OcclusionCheckTest, ALinkIsOccludedFromTheHiddenFractionOnUnlessItShowsTooL
   config.hidden_fraction = 0.25;
   config.silhouette_min_pixels = 4.0;
   const OcclusionCheck check(config, {0});
-  EXPECT_TRUE(check.isOccluded({0, 10.0, 0.75}));
-  EXPECT_TRUE(check.isOccluded({0, 4.0, 0.0}));
-  EXPECT_FALSE(check.isOccluded({0, 10.0, 0.76}));
-  EXPECT_FALSE(check.isOccluded({0, 3.9, 0.0}));
+  EXPECT_TRUE(check.isOccluded({0, 10.0, 0.75, 0.25}));
+  EXPECT_TRUE(check.isOccluded({0, 4.0, 0.0, 1.0}));
+  EXPECT_FALSE(check.isOccluded({0, 10.0, 0.5, 0.24, 0.26}));
+  EXPECT_FALSE(check.isOccluded({0, 3.9, 0.0, 1.0}));
+}
+
+/// A map whose looks go that far in every direction.
+CuboidMap lookedThrough(CuboidMap map, double range, LookImage::End end,
+                        LookImage::Pass before = {}) {
+  map.looks.begin(Time(), map.viewpoint);
+  for (int row = 0; row < map.looks.grid().rows(); ++row) {
+    for (int column = 0; column < map.looks.grid().columns(); ++column) {
+      const auto range_mm = static_cast<std::uint16_t>(1e3 * range);
+      map.looks.edit(row, column) = {LookImage::Pass{1000, 1000, range_mm, end}, before};
+    }
+  }
+  return map;
+}
+
+LinkVisibility visibilityOfBall(const CuboidMap& map) {
+  OcclusionCheck check({}, {0});
+  return check.find(map, {{Sphere{0.15}}, {placedAt(1, 0, 0)}}).links[0];
+}
+
+TEST(OcclusionCheckTest, WhereNobodyLookedNothingIsVisible) {
+  const LinkVisibility ball = visibilityOfBall(mapAround());
+  EXPECT_EQ(ball.visible_fraction, 0.0);
+  EXPECT_EQ(ball.occluded_fraction, 0.0);
+  EXPECT_EQ(ball.unseen_fraction, 1.0);
+}
+
+TEST(OcclusionCheckTest, TheNewestLookThatReachesALinkSeesItWhateverTheMapHolds) {
+  const CuboidMap behind_wall = wall(-0.5, 0.5, -0.5, 0.5);
+  const LinkVisibility ball =
+      visibilityOfBall(lookedThrough(behind_wall, 3.0, LookImage::End::kNothing));
+  EXPECT_EQ(ball.visible_fraction, 1.0);
+}
+
+TEST(OcclusionCheckTest, ALookThatEndsBeforeALinkHidesItAlsoWhereTheMapHoldsNothing) {
+  const LinkVisibility ball =
+      visibilityOfBall(lookedThrough(mapAround(), 0.5, LookImage::End::kSurface));
+  EXPECT_EQ(ball.occluded_fraction, 1.0);
+}
+
+TEST(OcclusionCheckTest, BehindTheRobotItselfCuboidsHideAndTheRestIsUnseen) {
+  const CuboidMap half = wall(0.0, 0.5, -0.5, 0.5);
+  for (const auto end : {LookImage::End::kRobot, LookImage::End::kUnclear}) {
+    const LinkVisibility ball = visibilityOfBall(lookedThrough(half, 0.4, end));
+    EXPECT_NEAR(ball.occluded_fraction, 0.5, 0.15);
+    EXPECT_NEAR(ball.unseen_fraction, 0.5, 0.15);
+    EXPECT_NEAR(ball.visible_fraction, 0.0, 1e-12);
+  }
+}
+
+TEST(OcclusionCheckTest, BehindTheRobotItselfTheLookBeforeCounts) {
+  const LookImage::Pass before{200, 200, 3000, LookImage::End::kNothing};
+  const LinkVisibility ball =
+      visibilityOfBall(lookedThrough(mapAround(), 0.4, LookImage::End::kRobot, before));
+  EXPECT_EQ(ball.visible_fraction, 1.0);
 }
 
 TEST(OcclusionCheckTest, WithoutLinksThereIsNoWorst) {
@@ -250,7 +305,7 @@ TEST(OcclusionCheckTest, LiesBetweenExactRaysAndRaysAtCuboidsGrownByAPixelInRand
         hiddenByRays(map, body, config.margin_m, 1.5 * config.resolution_rad * kFarthest);
     for (std::size_t i = 0; i < 4; ++i) {
       if (result.links[i].silhouette < 20.0) continue;
-      const double hidden = 1.0 - result.links[i].visible_fraction;
+      const double hidden = result.links[i].occluded_fraction;
       EXPECT_GE(hidden, exact[i] - kTolerance) << scene << ": " << name(body.shapes[i]);
       EXPECT_LE(hidden, most[i] + kTolerance) << scene << ": " << name(body.shapes[i]);
       partly_hidden += exact[i] > 0.1 && exact[i] < 0.9;

@@ -48,7 +48,7 @@ TEST_F(PoseCheckTest, AnEmptyMapTouchesAndHidesNothing) {
   EXPECT_FALSE(findings.occlusion);
   EXPECT_TRUE(findings.contacts.empty());
   ASSERT_EQ(findings.links.size(), 2U);
-  for (const LinkVisibility& link : findings.links) EXPECT_EQ(link.visible_fraction, 1.0);
+  for (const LinkVisibility& link : findings.links) EXPECT_EQ(link.occluded_fraction, 0.0);
 }
 
 TEST_F(PoseCheckTest, ContactsNameTheModelsShapes) {
@@ -99,7 +99,7 @@ TEST_F(PoseCheckTest, AHiddenLinkIsNamedByTheModelsIndex) {
   EXPECT_FALSE(findings.collision);
   EXPECT_FALSE(findings.occluding_cuboids.empty());
   for (const LinkVisibility& link : findings.links) {
-    EXPECT_EQ(link.visible_fraction < 0.5, model_->links()[link.link] == "other");
+    EXPECT_EQ(link.occluded_fraction > 0.5, model_->links()[link.link] == "other");
   }
 }
 

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "support/cuboid_scene.h"
+#include "support/look_around.h"
 #include "support/tiny_robot.h"
 #include "tccm_monitor/check/checker.h"
 
@@ -32,6 +33,7 @@ class CheckerFixture : public ::testing::Test {
     post_ = shelf_ = clear_;
     addBlock(post_, {Vector3(0.8, -0.2, 0.0), Vector3(0.9, 0.2, 0.7)});
     addBlock(shelf_, {Vector3(0.0, -0.3, 0.78), Vector3(1.2, 0.3, 0.80)});
+    for (CuboidMap* map : {&clear_, &post_, &shelf_}) lookAround(*map);
     remake();
   }
 
@@ -41,6 +43,7 @@ class CheckerFixture : public ::testing::Test {
     auto copy = std::make_shared<CuboidMap>(map);
     copy->stamp = at(stamp);
     copy->serial = ++serial_;
+    refreshLooks(*copy);
     checker_->setMap(at(now), copy);
   }
   void setMap(double now, const CuboidMap& map) { setMap(now, map, now); }

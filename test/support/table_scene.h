@@ -6,6 +6,7 @@
 
 #include "simulation/robot/dual_arm.h"
 #include "support/cuboid_scene.h"
+#include "support/look_around.h"
 
 namespace tccm::test {
 
@@ -22,6 +23,7 @@ inline CuboidMap tableMap() {
   block(0.60, -0.06, 0.751, 0.10, 0.83);
   block(0.90, -0.40, 0.751, 0.20, 1.05);
   map.viewpoint = Vector3(0.09, 0.0, 1.535);
+  lookAround(map);
   return map;
 }
 

@@ -8,7 +8,9 @@
 #include "tccm_monitor/check/check_inputs.h"
 #include "tccm_monitor/check/clearance_check.h"
 #include "tccm_monitor/check/commanded_trajectories.h"
+#include "tccm_monitor/check/evidence_check.h"
 #include "tccm_monitor/check/exemptions.h"
+#include "tccm_monitor/check/governed_speed.h"
 #include "tccm_monitor/check/permission.h"
 #include "tccm_monitor/check/pose_check.h"
 #include "tccm_monitor/check/trajectory_check.h"
@@ -25,6 +27,8 @@ class Checker {
     PoseCheck::Config pose;
     CheckInputs::Config inputs;
     WayAhead::Config way;
+    EvidenceCheck::Config evidence;
+    GovernedSpeed::Config governed_speed;
     CommandedTrajectories::Config trajectories;
     Permission::Config permission;
     Exemptions::Config exemptions;
@@ -115,6 +119,7 @@ class Checker {
   }
   [[nodiscard]] const CuboidMap* map() const { return inputs_.map(); }
   [[nodiscard]] const CommandedTrajectories& commanded() const { return commanded_; }
+  [[nodiscard]] const EvidenceCheck& evidence() const { return checks_.evidence; }
   [[nodiscard]] const PoseCheck& poseCheckNow() const { return checks_.now; }
   [[nodiscard]] const PoseCheck& poseCheckAhead() const { return checks_.ahead; }
 
@@ -123,6 +128,8 @@ class Checker {
   struct Checks {
     PoseCheck now, ahead, state;
     WayAhead way;
+    EvidenceCheck evidence;
+    GovernedSpeed governed_speed;
     ClearanceCheck clearance;
     TrajectoryCheck trajectory;
     Kinematics kinematics;  ///< for questions
@@ -136,6 +143,8 @@ class Checker {
   void look(Time now, const JointSnapshot& joints);
   void judgeContacts(const JointSnapshot& joints);
   void judgeOcclusion();
+  void judgeEvidence(Time now);
+  void governSpeed(Time now, const JointSnapshot& joints);
   [[nodiscard]] Cause contactCause(Reason reason, Level level, std::uint32_t shape,
                                    const std::string& what) const;
   void add(Cause cause, double speed_scale);

@@ -11,21 +11,26 @@
 
 namespace tccm {
 
-/// How much of one link the sensor can see past the cuboids.
+/// How much of one link the sensor can see. The fractions are of its silhouette and add up to 1.
 struct LinkVisibility {
-  std::uint32_t link = 0;         ///< as the caller numbers links
-  double silhouette = 0.0;        ///< its share of the picture, in pixels at the horizon
-  double visible_fraction = 1.0;  ///< of the silhouette; 1 where the link does not show at all
+  std::uint32_t link = 0;          ///< as the caller numbers links
+  double silhouette = 0.0;         ///< its share of the picture, in pixels at the horizon
+  double visible_fraction = 1.0;   ///< seen as far as to the link; 1 where it does not show at all
+  double occluded_fraction = 0.0;  ///< surroundings stand before it
+  double unseen_fraction = 0.0;    ///< nobody looked there, or the robot itself stood before it
 };
 
-/// Says which links cuboids hide from the sensor (paper, section IV.B): there the robot would move
-/// blindly.
+/// Says which links are hidden from the sensor (paper, section IV.B): there the robot would move
+/// blindly. Three answers for each direction: the newest look in it tells whether the sensor saw as
+/// far as to the link, or something stood before; where the robot itself stood before, cuboids do,
+/// held ones too; where there are none it is not known. Cuboids alone would hide too much: they are
+/// as thick as a cell, and every pixel that they reach into counts.
 class OcclusionCheck {
  public:
   struct Config {
     double resolution_rad = 0.035;  ///< edge of a pixel; finer than the scans are is of no use
     double margin_m = 0.05;         ///< a cuboid hides only what lies behind it by more
-    /// A link is occluded where at least this share of its silhouette is hidden.
+    /// A link is occluded where at least this share of its silhouette is.
     double hidden_fraction = 0.3;
     /// Less than this many pixels of silhouette are too few to judge by.
     double silhouette_min_pixels = 2.0;
@@ -53,13 +58,14 @@ class OcclusionCheck {
 
  private:
   void drawFromNearToFar(const Vector3& viewpoint, const Body& body);
-  void countPixels();
+  void countPixels(const LookImage& looks);
+  enum class PixelSight { kVisible, kOccluded, kUnseen };
+  [[nodiscard]] PixelSight sightOf(const LookImage& looks, std::uint32_t pixel) const;
 
   Config config_;
   std::vector<std::uint32_t> slot_of_shape_;  ///< index into result_.links
   ZBuffer buffer_;
   Result result_;
-  std::vector<double> hidden_;                           ///< by slot
   std::vector<std::pair<double, std::uint32_t>> order_;  ///< distance of each shape, reused
 };
 

@@ -68,7 +68,7 @@ class PoseCheck {
   [[nodiscard]] bool isOccluded(const LinkVisibility& link) const {
     return occlusion_.isOccluded(link);
   }
-  /// The name of the occluded link that is seen least; empty where none is occluded.
+  /// The name of the link that is occluded most; empty where none is occluded.
   [[nodiscard]] std::string mostHiddenLink(const PoseFindings& findings) const;
 
  private:

@@ -20,25 +20,29 @@ enum class Level : std::uint8_t { kOk = 0, kSlow = 1, kStop = 2, kFault = 3 };
 enum class Reason : std::uint8_t {
   kClear,
   kMovingOut,       ///< in contact or hidden, but what the robot does ends it
+  kSpeedGoverned,   ///< what appears ahead would be seen too late at a higher speed
+  kUnseenAhead,     ///< too much of the way ahead was never seen, or is hidden
   kReleasing,       ///< clear, but not for long enough
   kAwaitingReset,   ///< clear, but only a reset lifts the stop
   kInit,            ///< the map does not hold a whole window yet
+  kEvidenceOld,     ///< the sensor looks no more where a link is
   kOcclusionAhead,  ///< at the end of the way ahead
   kOcclusion,
   kCollisionAhead,  ///< on the way ahead
   kCollision,
-  kBadTrajectory,  ///< what was commanded cannot be understood
-  kMapOverflow,    ///< points were left out of the map
-  kNoMap,          ///< no scan for too long
-  kMapLate,        ///< scans come, but what is in the map is too old
-  kBlind,          ///< scans come, but hardly a beam measures anything
-  kNoJoints,       ///< a joint was never heard of, or not for too long
-  kNoTransform,    ///< the pose of the robot's root or of the sensor is unknown or too old
-  kFuture,         ///< a scan, map or joint state is stamped in the future
-  kCheckLate,      ///< checks take too long
-  kNoClock,        ///< simulated time stands still, so that nothing can grow old by it
-  kInternal,       ///< the check itself failed
-  kBadQuestion,    ///< a state or trajectory to be checked cannot be understood
+  kBadTrajectory,    ///< what was commanded cannot be understood
+  kMapOverflow,      ///< points were left out of the map
+  kNoMap,            ///< no scan for too long
+  kMapLate,          ///< scans come, but what is in the map is too old
+  kSweepIncomplete,  ///< the tilt stands still, or turns too late or too early
+  kBlind,            ///< scans come, but hardly a beam measures anything
+  kNoJoints,         ///< a joint was never heard of, or not for too long
+  kNoTransform,      ///< the pose of the robot's root or of the sensor is unknown or too old
+  kFuture,           ///< a scan, map or joint state is stamped in the future
+  kCheckLate,        ///< checks take too long
+  kNoClock,          ///< simulated time stands still, so that nothing can grow old by it
+  kInternal,         ///< the check itself failed
+  kBadQuestion,      ///< a state or trajectory to be checked cannot be understood
 };
 
 /// As published, e.g. "COLLISION_AHEAD".
@@ -123,6 +127,11 @@ struct Verdict {
   double way_us = 0.0;                         ///< wall time that the ways took
   std::vector<LinkClearance> clearances = {};  ///< of the links with collision primitives
   double clearance_us = 0.0;
+  double unseen_fraction = 0.0;  ///< of all that the links go through until the horizon
+  double evidence_us = 0.0;
+  /// Of the commanded speed: at more something that appears ahead would be seen too late; 1 where
+  /// that limits nothing.
+  double governed_scale = 1.0;
 };
 
 }  // namespace tccm

@@ -10,8 +10,8 @@
 
 namespace tccm {
 
-/// A spherical depth image around the sensor (paper, section IV.B). Primitives are drawn first, then
-/// cuboids cover them.
+/// A spherical depth image around the sensor (paper, section IV.B). Primitives are drawn first,
+/// then cuboids cover them.
 class ZBuffer {
  public:
   /// @param resolution edge of a pixel at the horizon [rad].

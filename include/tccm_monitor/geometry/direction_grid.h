@@ -58,6 +58,10 @@ class DirectionGrid {
     const Eigen::Vector2d level = cosine(row) * columnMiddle(column);
     return {level.x(), level.y(), sine(row)};
   }
+  [[nodiscard]] Vector3 middle(std::size_t pixel) const {
+    const int row = rowOfPixel(pixel);
+    return middle(row, static_cast<int>(pixel) - row * columns_);
+  }
   /// How many columns to either side of its own a direction at a row's middle can reach within an
   /// angle [rad]; all of them near the poles.
   [[nodiscard]] int columnsWithin(int row, double angle) const;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "tccm_monitor/geometry/direction_grid.h"
@@ -22,12 +23,16 @@ class LookImage {
     kSurface = 1,  ///< of the surroundings
     kNothing = 2,  ///< as far as the sensor can see
     kRobot = 3,    ///< the robot itself: what lies behind it is not known
+    kUnclear = 4,  ///< no look in the pass gave a range that is to be trusted
   };
   struct Pass {
     Ticks first = 0;  ///< stamp of the first scan of the pass
     Ticks last = 0;   ///< and of the last so far
     std::uint16_t range_mm = 0;
     End end = End::kNever;
+    /// Found from where the sensor is now, it was looked at from elsewhere: this direction may not
+    /// be one that the sensor looks in.
+    bool moved = false;
 
     /// [m]
     [[nodiscard]] double range() const { return 1e-3 * range_mm; }
@@ -43,19 +48,30 @@ class LookImage {
   /// What was seen of a place.
   struct Sight {
     enum class Kind {
-      kSeen,         ///< free, or a surface
-      kBehind,       ///< a surface stood before it
-      kBehindRobot,  ///< the robot itself stood before it
+      kSeen,     ///< free, or a surface
+      kBehind,   ///< a surface stood before it
+      kUnclear,  ///< the robot itself stood before it, or no look gave a range
       kNeverLooked,
     };
     Kind kind = Kind::kNeverLooked;
-    Time stamp = {};   ///< the newest look that the kind rests on; the epoch where there was none
-    Time looked = {};  ///< the newest look in that direction, however far it saw
+    Time stamp = {};  ///< the newest look that the kind rests on; the epoch where there was none
+    /// The newest look in that direction, however far it saw; nothing where the sensor, as it stands,
+    /// has not looked more than once.
+    std::optional<Time> looked = std::nullopt;
   };
   /// @param margin_m a look that ended this much before the place saw it all the same.
   [[nodiscard]] Sight at(const Vector3& p_fixed, double margin_m) const;
   /// The same in the middle of a pixel, at a distance from the viewpoint.
   [[nodiscard]] Sight at(std::size_t pixel, double range_m, double margin_m) const;
+
+  /// The newest look in a direction within an angle [rad] of the place's; the epoch where there was
+  /// none.
+  [[nodiscard]] Time lookedAround(const Vector3& p_fixed, double angle) const;
+  /// When the place is looked at next: a period after it was seen last in the same direction of the
+  /// tilt. Nothing where it was not seen lately, or the look is overdue by more than late_max: then
+  /// none is due. @param period of the tilt.
+  [[nodiscard]] std::optional<Time> nextLook(const Vector3& p_fixed, double margin_m, Time now,
+                                             Duration period, Duration late_max) const;
 
   [[nodiscard]] const DirectionGrid& grid() const { return grid_; }
   /// From which the directions are taken [m, fixed frame].

@@ -43,7 +43,7 @@ class LookMap {
   /// The best look of a pass: the one that came nearest to the pixel's middle.
   struct Aim {
     Eigen::Vector3f end = Eigen::Vector3f::Zero();
-    float cosine = -2.0F;
+    float aim = -4.0F;  ///< cosine of the angle to the pixel's middle, less where it is unclear
     Ticks stamp = 0;
   };
   using Aims = std::array<Aim, LookImage::kPasses>;
@@ -52,19 +52,17 @@ class LookMap {
     Vector3 direction;
     Pass pass;
     std::size_t pixel = 0;  ///< that it falls into
-    double cosine = 0.0;    ///< of the angle to its middle
+    double aim = 0.0;       ///< as Aim's, at that pixel
   };
   void follow(const Vector3& viewpoint);
   void moveTo(const Vector3& viewpoint);
   [[nodiscard]] std::optional<Beam> beamTo(const Vector3& end, const Pass& pass) const;
-  /// Hands row, column and the cosine of the angle to its middle to note for each pixel that the
-  /// beam speaks for.
+  /// Hands row, column and aim to note for each pixel that the beam speaks for.
   template <typename Note>
   void spread(const Beam& beam, Note&& note) const;
   void note(const Beam& beam);
-  void note(int row, int column, const Beam& beam, float cosine);
-  void noteAgain(int row, int column, std::size_t k, const Beam& beam, const Aim& aim,
-                 float cosine);
+  void note(int row, int column, const Beam& beam, float aim);
+  void noteAgain(int row, int column, std::size_t k, const Beam& beam, const Aim& old, float aim);
 
   Config config_;
   LookImage image_;

@@ -12,8 +12,8 @@ namespace tccm {
 /// A beam in the fixed frame, each with the sensor's pose at the beam's own time.
 struct Beam {
   Time stamp;
-  /// Where it hit [m]; of kNoReturn, how far it could have seen. Meaningless where it did not
-  /// measure.
+  /// Where it hit [m]; of kNoReturn, how far it could have seen. Where no range was measured, a
+  /// point that tells the direction alone.
   Vector3 p_fixed;
   Vector3 viewpoint;  ///< the sensor's origin in the fixed frame [m]
   double tilt = 0.0;  ///< elevation of the sensor's x axis over the fixed frame's xy plane [rad]

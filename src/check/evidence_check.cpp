@@ -1,0 +1,175 @@
+#include "tccm_monitor/check/evidence_check.h"
+
+#include <algorithm>
+#include <array>
+
+#include "tccm_monitor/config_error.h"
+
+namespace tccm {
+namespace {
+
+using Kind = LookImage::Sight::Kind;
+
+const LinkUse::Keys kEvidenceKeys{"evidence_links", "occlusion_ignored_links", "", "", ""};
+constexpr std::size_t kUnseenShown = 4096;
+constexpr double kAround = 0.07;    // [rad]
+constexpr double kLateShare = 0.2;  // of a period that a look may be overdue by
+
+/// Places in a primitive, as shares of its half extents; those of a sphere lie inside, too.
+const std::array<Vector3, 9> kPlaces = {
+    Vector3(0.0, 0.0, 0.0),   Vector3(0.5, 0.5, 0.7),   Vector3(0.5, 0.5, -0.7),
+    Vector3(0.5, -0.5, 0.7),  Vector3(0.5, -0.5, -0.7), Vector3(-0.5, 0.5, 0.7),
+    Vector3(-0.5, 0.5, -0.7), Vector3(-0.5, -0.5, 0.7), Vector3(-0.5, -0.5, -0.7)};
+
+struct HalfExtents {
+  Vector3 operator()(const Box& box) const { return box.half_extents; }
+  Vector3 operator()(const Cylinder& c) const { return {c.radius, c.radius, c.half_length}; }
+  Vector3 operator()(const Capsule& c) const {
+    return {c.radius, c.radius, c.half_length + c.radius};
+  }
+  Vector3 operator()(const Sphere& s) const { return Vector3::Constant(s.radius); }
+};
+
+double share(double part, double whole) { return whole > 0.0 ? part / whole : 0.0; }
+
+template <typename Value>
+const LinkEvidence* most(const std::vector<LinkEvidence>& links, Value&& value) {
+  const auto found =
+      std::max_element(links.begin(), links.end(),
+                       [&](const auto& a, const auto& b) { return value(a) < value(b); });
+  return found == links.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+void EvidenceCheck::Config::validate() const {
+  requireInRange("evidence_margin_m", margin_m, 0.0, 1.0);
+  requireInRange("evidence_slow_periods", slow_periods, 1.0, 100.0);
+  requireInRange("evidence_stop_periods", stop_periods, slow_periods, 100.0);
+  requireInRange("evidence_old_fraction_max", old_fraction_max, 0.0, 1.0);
+  requireInRange("unseen_fraction_max", unseen_fraction_max, 0.0, 1.0);
+  requireInRange("unseen_volume_min_m3", unseen_volume_min_m3, 0.0, 1.0);
+  requireInRange("unseen_slow_scale", slow_scale, 0.0, 1.0);
+}
+
+const LinkEvidence* EvidenceCheck::Findings::mostUnseen() const {
+  return most(links, [](const LinkEvidence& l) { return l.unseen_fraction * l.new_volume_m3; });
+}
+
+const LinkEvidence* EvidenceCheck::Findings::mostLost() const {
+  return most(links, [](const LinkEvidence& l) { return l.lost_fraction; });
+}
+
+const LinkEvidence* EvidenceCheck::Findings::mostOld() const {
+  return most(links, [](const LinkEvidence& l) { return l.old_fraction; });
+}
+
+EvidenceCheck::EvidenceCheck(const RobotModel& model, const Config& config,
+                             const std::vector<std::size_t>& body_shapes, LinkUse watched)
+    : config_((config.validate(), config)) {
+  if (!config.links.empty()) watched.links = config.links;
+  const std::vector<std::size_t> seen_shapes = model.shapesFor(watched, kEvidenceKeys).shapes;
+  std::vector<LinkEvidence>& links = findings_.links;
+  for (std::size_t i = 0; i < body_shapes.size(); ++i) {
+    const std::size_t link = model.shapes()[body_shapes[i]].link;
+    const bool is_seen = std::any_of(seen_shapes.begin(), seen_shapes.end(),
+                                     [&](std::size_t s) { return model.shapes()[s].link == link; });
+    const auto found = std::find_if(links.begin(), links.end(),
+                                    [link](const LinkEvidence& l) { return l.link == link; });
+    const auto slot = static_cast<std::size_t>(found - links.begin());
+    slot_of_shape_.push_back(is_seen ? slot : kPassedOver);
+    if (!is_seen) continue;
+    if (slot == links.size()) {
+      links.emplace_back();
+      links.back().link = link;
+      end_shape_of_slot_.push_back(i);
+    }
+    end_shape_of_slot_[slot] = i;
+  }
+  tallies_.resize(links.size());
+  unseen_.reserve(kUnseenShown);
+}
+
+const EvidenceCheck::Findings& EvidenceCheck::find(const CuboidMap& map, Time now,
+                                                   const Body& now_body, const Body& end_body) {
+  const double period_s = toSeconds(map.look_period);
+  const Question question{map, now, fromSeconds(config_.slow_periods * period_s),
+                          fromSeconds(config_.stop_periods * period_s)};
+  std::fill(tallies_.begin(), tallies_.end(), Tally());
+  unseen_.clear();
+  const Vector3& viewpoint = map.looks.viewpoint();
+  for (std::size_t i = 0; i < now_body.shapes.size(); ++i) {
+    if (slot_of_shape_[i] == kPassedOver) continue;
+    // The sensor's own housing.
+    if (distance(now_body.shapes[i], now_body.poses[i].inverse() * viewpoint) == 0.0) continue;
+    lookAlong(question, now_body.shapes[i], now_body.poses[i], end_body.poses[i],
+              tallies_[slot_of_shape_[i]]);
+  }
+  sumUp(question, end_body);
+  return findings_;
+}
+
+void EvidenceCheck::lookAlong(const Question& question, const Shape& shape, const Pose& T_fixed_now,
+                              const Pose& T_fixed_end, Tally& tally) {
+  const Vector3 half = std::visit(HalfExtents(), shape);
+  const Pose T_now_fixed = T_fixed_now.inverse();
+  const double volume_each = volume(shape) / (2.0 * kPlaces.size());
+  lookAt(question, T_fixed_now.translation(), 0.0, tally);
+  for (const Vector3& place : kPlaces) {
+    const Vector3 p_shape = half.cwiseProduct(place);
+    const Vector3 p_end = T_fixed_end * p_shape;
+    const Vector3 p_halfway = 0.5 * (T_fixed_now * p_shape + p_end);
+    for (const Vector3& p_fixed : {p_halfway, p_end}) {
+      const bool is_new = distance(shape, T_now_fixed * p_fixed) > 0.0;
+      lookAt(question, p_fixed, is_new ? volume_each : 0.0, tally);
+    }
+  }
+}
+
+void EvidenceCheck::lookAt(const Question& question, const Vector3& p_fixed, double new_volume,
+                           Tally& tally) {
+  const LookImage::Sight sight = question.map.looks.at(p_fixed, config_.margin_m);
+  const bool ages_matter = question.old > Duration::zero();  // else no period is known yet
+  if (sight.looked && ages_matter) {
+    Duration age = question.now - *sight.looked;
+    // At the edges of where the sensor looks a direction may be passed by a little.
+    if (age > question.old) {
+      age = question.now - question.map.looks.lookedAround(p_fixed, kAround);
+    }
+    tally.looked_at += 1.0;
+    tally.old += age > question.old ? 1.0 : 0.0;
+    tally.lost += age > question.lost ? 1.0 : 0.0;
+  }
+  const bool is_fresh = question.now - sight.stamp <= question.old || !ages_matter;
+  const bool is_known = sight.kind == Kind::kSeen && is_fresh;
+  if (is_known && (!tally.oldest || sight.stamp < *tally.oldest)) tally.oldest = sight.stamp;
+  tally.new_volume += new_volume;
+  if (is_known || new_volume <= 0.0) return;
+  tally.unseen_volume += new_volume;
+  if (unseen_.size() < kUnseenShown) unseen_.push_back(p_fixed);
+}
+
+void EvidenceCheck::sumUp(const Question& question, const Body& end_body) {
+  double new_volume = 0.0, unseen_volume = 0.0;
+  const Duration late_max = fromSeconds(kLateShare * toSeconds(question.map.look_period));
+  for (std::size_t slot = 0; slot < tallies_.size(); ++slot) {
+    const Tally& tally = tallies_[slot];
+    LinkEvidence& link = findings_.links[slot];
+    link.new_volume_m3 = tally.new_volume;
+    link.unseen_fraction = share(tally.unseen_volume, tally.new_volume);
+    link.old_fraction = share(tally.old, tally.looked_at);
+    link.lost_fraction = share(tally.lost, tally.looked_at);
+    link.age_s = tally.oldest ? toSeconds(question.now - *tally.oldest) : 0.0;
+    const Vector3 end = end_body.poses[end_shape_of_slot_[slot]].translation();
+    const auto next = question.map.looks.nextLook(end, config_.margin_m, question.now,
+                                                  question.map.look_period, late_max);
+    link.next_look_s.reset();
+    if (next) link.next_look_s = std::max(0.0, toSeconds(*next - question.now));
+    new_volume += tally.new_volume;
+    unseen_volume += tally.unseen_volume;
+  }
+  findings_.unseen_fraction =
+      new_volume >= config_.unseen_volume_min_m3 ? share(unseen_volume, new_volume) : 0.0;
+}
+
+}  // namespace tccm

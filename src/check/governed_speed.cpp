@@ -1,0 +1,181 @@
+#include "tccm_monitor/check/governed_speed.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tccm_monitor/config_error.h"
+
+namespace tccm {
+namespace {
+
+constexpr double kSoon = 0.01;             // [s] over which points' velocities are taken
+constexpr double kAtRest = 0.01;           // [m/s]
+constexpr double kCommandForgotten = 1.0;  // [1/s] of an estimate, when a robot goes slower
+constexpr double kScaleForgotten = 5.0;    // [1/s] of the scale lately: robots brake in time
+constexpr double kDelayForgotten = 0.99;   // kept of the longest delay at each new map
+constexpr double kNoLook = 30.0;           // [s] that what is left of the way has to last
+constexpr double kLateShare = 0.15;        // of a period that a look may be overdue by
+constexpr double kAheadCosine = 0.3;       // of the angle between velocity and place
+constexpr std::size_t kPlacesMax = 128;    // of one point
+
+/// Points to watch, on the primitive's axis, and its radius there.
+struct PointsOf {
+  std::vector<Vector3> points;
+  double radius = 0.0;
+  explicit PointsOf(const Shape& shape) { std::visit(*this, shape); }
+  void operator()(const Sphere& s) { add({0.0}, s.radius); }
+  void operator()(const Capsule& c) { add({-c.half_length, c.half_length}, c.radius); }
+  void operator()(const Cylinder& c) { add({-c.half_length, c.half_length}, c.radius); }
+  void operator()(const Box& box) {
+    points = {Vector3::Zero()};
+    radius = box.half_extents.norm();
+  }
+  void add(const std::vector<double>& heights, double r) {
+    for (const double z : heights) points.emplace_back(0.0, 0.0, z);
+    radius = r;
+  }
+};
+
+}  // namespace
+
+void GovernedSpeed::Config::validate() const {
+  requireInRange("appear_distance_m", appear_distance_m, 0.0, 2.0);
+  requireInRange("appear_look_margin_m", look_margin_m, 0.0, 1.0);
+  requireInRange("deceleration_mps2", deceleration_mps2, 0.01, 1000.0);
+  requireInRange("reaction_time_s", reaction_time_s, 0.0, 2.0);
+  requireInRange("commanded_speed_max_mps", speed_max_mps, 0.01, 20.0);
+  requireInRange("appear_place_step_m", place_step_m, 0.001, 0.1);
+}
+
+GovernedSpeed::GovernedSpeed(std::shared_ptr<const RobotModel> model, const Config& config,
+                             const std::vector<std::size_t>& shapes)
+    : model_(std::move(model)),
+      config_((config.validate(), config)),
+      kinematics_(model_),
+      kinematics_soon_(model_),
+      positions_soon_(model_->variables().size()) {
+  if (!active()) return;
+  for (const std::size_t shape : shapes) addTracks(shape);
+}
+
+void GovernedSpeed::addTracks(std::size_t shape) {
+  const PointsOf points(model_->shapes()[shape].shape);
+  for (const Vector3& p_shape : points.points) {
+    tracks_.push_back({shape, p_shape, points.radius});
+    tracks_.back().commanded_mps = config_.speed_max_mps;
+    tracks_.back().places.reserve(kPlacesMax);
+  }
+}
+
+double GovernedSpeed::speedFor(double rest_m, double until_s, double deceleration_mps2) {
+  if (!(rest_m > 0.0)) return 0.0;
+  return deceleration_mps2 *
+         (std::sqrt(until_s * until_s + 2.0 * rest_m / deceleration_mps2) - until_s);
+}
+
+void GovernedSpeed::startAnew() {
+  last_.reset();
+  serial_ = 0;
+  for (Track& track : tracks_) {
+    track.places.clear();
+    track.travelled_m = 0.0;
+    track.commanded_mps = config_.speed_max_mps;
+  }
+}
+
+const GovernedSpeed::Limit& GovernedSpeed::find(const CuboidMap& map, Time now,
+                                                const JointSnapshot& joints,
+                                                const std::vector<Pose>& T_fixed_roots,
+                                                double applied_scale) {
+  limit_ = {};
+  noteDelay(map, now);
+  move(now, joints, T_fixed_roots, applied_scale);
+  for (Track& track : tracks_) {
+    forgetSeen(map, track);
+    limit(map, now, track);
+  }
+  return limit_;
+}
+
+void GovernedSpeed::noteDelay(const CuboidMap& map, Time now) {
+  if (map.serial == serial_) return;
+  serial_ = map.serial;
+  delay_s_ = std::max(kDelayForgotten * delay_s_, toSeconds(now - map.stamp));
+}
+
+void GovernedSpeed::move(Time now, const JointSnapshot& joints,
+                         const std::vector<Pose>& T_fixed_roots, double applied_scale) {
+  const double seconds = last_ ? toSeconds(now - *last_) : 0.0;
+  const bool is_first = !last_;
+  last_ = now;
+  scale_lately_ = std::max(applied_scale, scale_lately_ - kScaleForgotten * seconds);
+  for (std::size_t i = 0; i < positions_soon_.size(); ++i) {
+    positions_soon_[i] = joints.positions[i] + kSoon * joints.velocities[i];
+  }
+  kinematics_.update(joints.positions, T_fixed_roots);
+  kinematics_soon_.update(positions_soon_, T_fixed_roots);
+  for (Track& track : tracks_) {
+    const Vector3 p_fixed = kinematics_.shapePoses()[track.shape] * track.p_shape;
+    const Vector3 soon = kinematics_soon_.shapePoses()[track.shape] * track.p_shape;
+    if (!is_first) track.travelled_m += (p_fixed - track.p_fixed).norm();
+    track.p_fixed = p_fixed;
+    track.velocity = (soon - p_fixed) / kSoon;
+    estimateCommand(track, seconds, scale_lately_);
+    notePlace(track, now);
+  }
+}
+
+/// The fastest that it was lately, at the scale that it then had.
+void GovernedSpeed::estimateCommand(Track& track, double seconds, double scale) const {
+  const double speed = track.velocity.norm();
+  if (speed < kAtRest || scale <= 0.0) return;
+  const double kept = track.commanded_mps * (1.0 - std::min(1.0, kCommandForgotten * seconds));
+  track.commanded_mps = std::max(speed / scale, kept);
+}
+
+void GovernedSpeed::notePlace(Track& track, Time now) const {
+  const double speed = track.velocity.norm();
+  if (speed < kAtRest) return;
+  const bool is_due = track.places.empty() ||
+                      track.travelled_m - track.places.back().travelled_m >= config_.place_step_m;
+  if (!is_due) return;
+  if (track.places.size() == kPlacesMax) track.places.erase(track.places.begin());
+  const double ahead = track.radius_m + config_.appear_distance_m;
+  track.places.push_back({track.p_fixed + ahead / speed * track.velocity, track.travelled_m, now});
+}
+
+/// Places that a scan has seen since, and those that the point has left behind.
+void GovernedSpeed::forgetSeen(const CuboidMap& map, Track& track) const {
+  const double far = 2.0 * (track.radius_m + config_.appear_distance_m);
+  const auto isOver = [&](const Place& place) {
+    if ((place.p_fixed - track.p_fixed).norm() > far) return true;
+    const LookImage::Sight sight = map.looks.at(place.p_fixed, config_.look_margin_m);
+    return sight.kind == LookImage::Sight::Kind::kSeen && sight.stamp > place.since;
+  };
+  auto& places = track.places;
+  places.erase(std::remove_if(places.begin(), places.end(), isOver), places.end());
+}
+
+void GovernedSpeed::limit(const CuboidMap& map, Time now, const Track& track) {
+  const double speed = track.velocity.norm();
+  const double late_s = kLateShare * toSeconds(map.look_period) + delay_s_;
+  for (const Place& place : track.places) {
+    const Vector3 to_place = place.p_fixed - track.p_fixed;
+    // What it moves away from or past is not ahead.
+    if (speed >= kAtRest && to_place.dot(track.velocity) < kAheadCosine * to_place.norm() * speed) {
+      continue;
+    }
+    const double rest_m = config_.appear_distance_m - (track.travelled_m - place.travelled_m);
+    const auto next = map.looks.nextLook(place.p_fixed, config_.look_margin_m, now, map.look_period,
+                                         fromSeconds(late_s));
+    const double until_s = next ? std::max(0.0, toSeconds(*next - now)) : kNoLook;
+    const double allowed =
+        speedFor(rest_m, until_s + delay_s_ + config_.reaction_time_s, config_.deceleration_mps2);
+    const double scale = allowed / std::max(track.commanded_mps, speed);
+    if (scale >= limit_.scale) continue;
+    limit_ = {scale, model_->shapes()[track.shape].link, allowed, std::nullopt};
+    if (next) limit_.next_look_s = until_s;
+  }
+}
+
+}  // namespace tccm
