@@ -84,6 +84,96 @@ TEST(PathControllerTest, SetsOffSlowlyAndOnlyAfterRelease) {
   EXPECT_NEAR(controller.speed(), config.resume_mps2 * 1.0, 0.01);
 }
 
+TEST(PathControllerTest, ASpeedScaleTakesEffectAfterTheLatencyWithTheAccelerationOfBraking) {
+  PathController::Config config;
+  config.speed_mps = 0.4;
+  PathController controller(config, 2.0);
+  Time now{};
+  while (controller.distance() < 0.3) controller.step(now += kStep, false);
+  controller.setSpeedScale(0.25);
+  for (int i = 0; i < 20; ++i) controller.step(now += kStep, false);
+  EXPECT_NEAR(controller.speed(), 0.4, 1e-9);
+  for (int i = 0; i < 75; ++i) controller.step(now += kStep, false);
+  EXPECT_NEAR(controller.speed(), 0.25, 1e-9);
+  for (int i = 0; i < 500; ++i) controller.step(now += kStep, false);
+  EXPECT_NEAR(controller.speed(), 0.1, 1e-9);
+  controller.setSpeedScale(1.0);
+  for (int i = 0; i < 20 + 100; ++i) controller.step(now += kStep, false);
+  EXPECT_NEAR(controller.speed(), 0.3, 1e-9);
+  for (int i = 0; i < 500; ++i) controller.step(now += kStep, false);
+  EXPECT_NEAR(controller.speed(), 0.4, 1e-9);
+}
+
+TEST(PathControllerTest, AtASpeedScaleOf0TheHandStandsAndAStopOutweighsAnyScale) {
+  PathController controller({}, 2.0);
+  Time now{};
+  while (controller.distance() < 0.3) controller.step(now += kStep, false);
+  controller.setSpeedScale(0.0);
+  for (int i = 0; i < 1000; ++i) controller.step(now += kStep, false);
+  const double rest = controller.distance();
+  for (int i = 0; i < 1000; ++i) controller.step(now += kStep, false);
+  EXPECT_EQ(controller.distance(), rest);
+  EXPECT_EQ(controller.speed(), 0.0);
+  controller.setSpeedScale(1.0);
+  for (int i = 0; i < 1000; ++i) controller.step(now += kStep, true);
+  EXPECT_EQ(controller.distance(), rest);
+}
+
+TEST(PathControllerTest, AHandThatMayHardlyMoveAfterAStopGoesNoFasterThanItsScale) {
+  PathController controller({}, 2.0);
+  Time now{};
+  while (controller.distance() < 0.3) controller.step(now += kStep, false);
+  controller.setSpeedScale(0.2);
+  for (int i = 0; i < 500; ++i) controller.step(now += kStep, true);
+  for (int i = 0; i < 3000; ++i) {
+    controller.step(now += kStep, false);
+    ASSERT_LE(controller.speed(), 0.05 + 1e-9);
+  }
+  EXPECT_NEAR(controller.speed(), 0.05, 1e-9);
+}
+
+TEST(PathControllerTest, InStagesTheHandWaitsAtEachEndAndStaysAtTheLast) {
+  PathController::Config config;
+  config.stages = {{0.0, 0.1, 1.0}, {0.3, 0.25, 2.0}, {0.4, 0.1, 0.0}};
+  PathController controller(config, 0.5);
+  Time now{};
+  controller.step(now, false);
+  const auto goOn = [&](int ms) {
+    double fastest = 0.0;
+    for (int i = 0; i < ms; ++i) {
+      controller.step(now += kStep, false);
+      fastest = std::max(fastest, controller.speed());
+    }
+    return fastest;
+  };
+  EXPECT_EQ(goOn(990), 0.0);
+  EXPECT_EQ(controller.stagesDone(), 0U);
+  EXPECT_NEAR(goOn(1700), 0.25, 1e-9);
+  EXPECT_NEAR(controller.distance(), 0.3, 1e-5);
+  EXPECT_EQ(controller.stagesDone(), 1U);
+  EXPECT_EQ(goOn(1400), 0.0);
+  EXPECT_NEAR(goOn(2000), 0.1, 1e-9);
+  EXPECT_EQ(controller.stagesDone(), 3U);
+  EXPECT_NEAR(controller.distance(), 0.4, 1e-5);
+  EXPECT_EQ(goOn(2000), 0.0);
+}
+
+TEST(PathControllerTest, AStopHoldsTheHandBetweenStagesToo) {
+  PathController::Config config;
+  config.stages = {{0.1, 0.1, 0.5}, {0.4, 0.1, 0.0}};
+  PathController controller(config, 0.5);
+  Time now{};
+  for (int i = 0; i < 1300; ++i) controller.step(now += kStep, false);
+  for (int i = 0; i < 3000; ++i) controller.step(now += kStep, true);
+  EXPECT_NEAR(controller.distance(), 0.1, 1e-5);
+}
+
+TEST(PathControllerTest, StagesThatLeadBackAreRefused) {
+  PathController::Config config;
+  config.stages = {{0.3, 0.1, 1.0}, {0.2, 0.25, 2.0}};
+  EXPECT_ANY_THROW(PathController(config, 0.5));
+}
+
 TEST(ArmPathTest, ReachMovesThePalmForwardByTheLengthItStates) {
   const auto model = dualArm();
   const ArmPath path = armPath(model, "reach");
