@@ -98,30 +98,8 @@ Joints restingJoints(const RobotModel& model) {
   return joints;
 }
 
-/// The palm with its fingers ahead and a little down, its flat side down.
-Pose reachingPalm(const Vector3& position) {
-  constexpr double kDown = 0.15;  // [rad] below the horizontal
-  Pose pose = Pose::Identity();
-  pose.translation() = position;
-  pose.rotate(Eigen::AngleAxisd(-M_PI_2 + kDown, Vector3::UnitY()));
-  return pose;
-}
-
 ArmPath reachPath(const Model& model) {
-  constexpr int kSteps = 40;
-  const Vector3 start(0.24, -0.27, 0.95);
-  const Vector3 end(0.70, -0.22, 0.92);
-  InverseProblem problem{linkIndex(*model, "right_palm_link"), Pose::Identity(),
-                         armVariables(*model, "right")};
-  std::vector<Joints> knots;
-  Joints joints = restingJoints(*model);
-  for (int i = 0; i <= kSteps; ++i) {
-    const double u = static_cast<double>(i) / kSteps;
-    problem.T_root_link = reachingPalm((1.0 - u) * start + u * end);
-    joints = solve(model, problem, joints);
-    knots.push_back(joints);
-  }
-  return ArmPath(model, knots);
+  return reachVia(model, {Vector3(0.24, -0.27, 0.95), Vector3(0.70, -0.22, 0.92)});
 }
 
 ArmPath wavePath(const Model& model) {
@@ -226,6 +204,33 @@ ArmPath armPath(const Model& model, const std::string& name) {
   const auto found = motions().find(name);
   if (found == motions().end()) throw ConfigError("motion: " + name + " is none of reach, wave");
   return found->second(model);
+}
+
+Pose reachingPalm(const Vector3& position) {
+  constexpr double kDown = 0.15;  // [rad] below the horizontal
+  Pose pose = Pose::Identity();
+  pose.translation() = position;
+  pose.rotate(Eigen::AngleAxisd(-M_PI_2 + kDown, Vector3::UnitY()));
+  return pose;
+}
+
+ArmPath reachVia(const Model& model, const std::vector<Vector3>& places) {
+  constexpr double kSpacing = 0.0117;  // [m] of the knots, at most
+  InverseProblem problem{linkIndex(*model, "right_palm_link"), Pose::Identity(),
+                         armVariables(*model, "right")};
+  std::vector<Joints> knots;
+  Joints joints = restingJoints(*model);
+  for (std::size_t i = 1; i < places.size(); ++i) {
+    const Vector3 way = places[i] - places[i - 1];
+    const int steps = std::max(1, static_cast<int>(std::ceil(way.norm() / kSpacing)));
+    for (int k = i == 1 ? 0 : 1; k <= steps; ++k) {
+      const double u = static_cast<double>(k) / steps;
+      problem.T_root_link = reachingPalm((1.0 - u) * places[i - 1] + u * places[i]);
+      joints = solve(model, problem, joints);
+      knots.push_back(joints);
+    }
+  }
+  return ArmPath(model, knots);
 }
 
 Joints solve(const Model& model, const InverseProblem& problem, Joints seed) {

@@ -43,6 +43,15 @@ class ArmPath {
 [[nodiscard]] ArmPath armPath(const std::shared_ptr<const RobotModel>& model,
                               const std::string& name);
 
+/// The palm's link with its fingers ahead and a little down, its flat side down.
+[[nodiscard]] Pose reachingPalm(const Vector3& position);
+
+/// A path of the dual-arm robot's right hand: its palm goes straight from one place to the next, as
+/// reachingPalm() has it.
+/// @param places of the palm's link [m]. @throws std::runtime_error where the arm cannot reach.
+[[nodiscard]] ArmPath reachVia(const std::shared_ptr<const RobotModel>& model,
+                               const std::vector<Vector3>& places);
+
 /// Joint positions that bring a link to a pose, by damped least squares over some of the joints.
 struct InverseProblem {
   std::size_t link;                    ///< index into the model's links

@@ -37,20 +37,11 @@ World placed(World world, const Pose& T_fixed_obstacle) {
   return world;
 }
 
-SampledBody sampled(const World& world) {
-  Body body;
-  for (const SceneObject& part : world) {
-    body.shapes.push_back(part.shape);
-    body.poses.push_back(part.T_fixed_shape);
-  }
-  return {body, kSpacing};
-}
-
 /// The least distance along the heading, from where the obstacle is, at which it is clear of the
 /// hand by gap. Both are convex enough for the clearance to grow along the way.
 double wayToGap(const HandState& hand, const World& obstacle, double gap) {
   const auto clearanceAt = [&](double way) {
-    SampledBody moved = sampled(obstacle);
+    SampledBody moved(bodyOf(obstacle), kSpacing);
     moved.shift(way * hand.heading);
     return clearance(hand.shapes, moved);
   };
@@ -77,6 +68,10 @@ ObstaclePurpose obstaclePurpose(const std::string& name) {
   if (name == "collision") return ObstaclePurpose::kCollision;
   if (name == "occlusion") return ObstaclePurpose::kOcclusion;
   throw ConfigError("obstacle_for: " + name + " is none of collision, occlusion");
+}
+
+World obstacleAt(ObstacleKind kind, const Pose& T_fixed_obstacle) {
+  return placed(shapesOf(kind), T_fixed_obstacle);
 }
 
 World obstacleAhead(ObstacleKind kind, const HandState& hand, double gap_m) {

@@ -24,6 +24,10 @@ struct HandState {
   Vector3 heading;  ///< unit vector along its motion
 };
 
+/// An obstacle (not kNone) anywhere. In its frame pole and box stand upright around the origin; a
+/// human hand lies flat there, its forearm along x.
+[[nodiscard]] World obstacleAt(ObstacleKind kind, const Pose& T_fixed_obstacle);
+
 /// An obstacle (not kNone) on the hand's way, at gap_m [m] from its nearest point. Pole and box
 /// stand upright across the way; a human forearm with its hand ahead comes slantwise towards the
 /// hand.

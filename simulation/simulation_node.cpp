@@ -29,6 +29,7 @@ class SimulationNode {
     joints_ = node.advertise<sensor_msgs::JointState>("joint_states", 10);
     transforms_ = node.advertise<tf2_msgs::TFMessage>("/tf", 100);
     truth_ = node.advertise<std_msgs::String>("simulation/truth", 100, true);
+    tilt_fault_ = node.subscribe("simulation/tilt_fault", 10, &SimulationNode::hearTiltFault, this);
     markers_ = node.advertise<visualization_msgs::MarkerArray>("simulation/scene_markers", 1, true);
     if (config.simulator.motion == kCommanded) {
       command_ = node.subscribe("command", 10, &SimulationNode::hearCommand, this,
@@ -65,6 +66,14 @@ class SimulationNode {
   void hearCommand(const trajectory_msgs::JointTrajectory& message) {
     const std::string defect = simulator_.command(toCommand(message, simulator_.now()));
     if (!defect.empty()) ROS_WARN_THROTTLE(1.0, "A command is not taken: %s.", defect.c_str());
+  }
+
+  void hearTiltFault(const std_msgs::String& message) {
+    try {
+      simulator_.setTiltFault(tiltFault(message.data));
+    } catch (const ConfigError& error) {
+      ROS_WARN_THROTTLE(1.0, "%s.", error.what());
+    }
   }
 
   /// Silence means stop.
@@ -146,6 +155,7 @@ class SimulationNode {
   ros::Publisher markers_;
   ros::Subscriber stop_;
   ros::Subscriber command_;
+  ros::Subscriber tilt_fault_;
 };
 
 SimulationNode::Config load(const ros::NodeHandle& node) {
@@ -154,6 +164,8 @@ SimulationNode::Config load(const ros::NodeHandle& node) {
   int seed = 1;
   std::string obstacle = "none";
   std::string obstacle_for = "collision";
+  std::string tilt_fault = "none";
+  ScanningHead::Schedule fault;
   node.param("scene", s.scene, s.scene);
   node.param("motion", s.motion, s.motion);
   node.param("obstacle", obstacle, obstacle);
@@ -166,6 +178,9 @@ SimulationNode::Config load(const ros::NodeHandle& node) {
              s.commanded.deceleration_rps2);
   node.param("seed", seed, seed);
   node.param("noise_m", s.scanner.noise_m, s.scanner.noise_m);
+  node.param("tilt_fault", tilt_fault, tilt_fault);
+  node.param("tilt_fault_at_s", fault.at_s, fault.at_s);
+  node.param("tilt_fault_for_s", fault.for_s, fault.for_s);
   node.param("duration_s", config.duration_s, config.duration_s);
   node.param("publish_clock", config.publish_clock, config.publish_clock);
   requireInRange("seed", seed, 0.0, 2147483647.0);
@@ -173,6 +188,8 @@ SimulationNode::Config load(const ros::NodeHandle& node) {
   s.seed = static_cast<std::uint64_t>(seed);
   s.obstacle = obstacleKind(obstacle);
   s.purpose = obstaclePurpose(obstacle_for);
+  fault.fault = tiltFault(tilt_fault);
+  if (fault.fault != TiltFault::kNone) s.head.faults.push_back(fault);
   if (!config.publish_clock) {
     if (!ros::Time::isSystemTime()) {
       throw ConfigError("publish_clock: must be true where use_sim_time is, for want of a clock");

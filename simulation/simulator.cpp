@@ -22,11 +22,18 @@ const std::vector<std::string> kHandLinks = {"right_wrist_roll_link", "right_pal
 
 ArmPath pathOf(const Simulator::Config& config, const std::shared_ptr<const RobotModel>& model,
                const World& world) {
+  if (config.path) return *config.path;
   if (config.motion == kCommanded) return armPath(model, "reach");
   if (config.motion != kWander) return armPath(model, config.motion);
   return wanderPath(model, world,
                     {config.seed, config.wander_length_m, config.controller.speed_mps,
                      config.wander_clearance_m});
+}
+
+World worldOf(const Simulator::Config& config) {
+  World world = scene(config.scene);
+  world.insert(world.end(), config.objects.begin(), config.objects.end());
+  return world;
 }
 
 std::vector<std::size_t> handShapes(const RobotModel& model) {
@@ -55,7 +62,7 @@ void Simulator::Config::validate() const {
   requireInRange("appear_s", appear_s, 0.0, 1e6);
   requireInRange("gap_m", gap_m, 0.01, 0.25);
   requireInRange("obstacle_speed_mps", obstacle_speed_mps, 0.0, 10.0);
-  requireInRange("tilt_period_s", tilt.period_s, 0.1, 100.0);
+  head.validate();
   requireInRange("wander_length_m", wander_length_m, 1.0, 1000.0);
   requireInRange("wander_clearance_m", wander_clearance_m, 0.0, 0.2);
   body_error.validate();
@@ -72,14 +79,16 @@ Simulator::Simulator(const Config& config)
       model_(dualArm()),
       true_shapes_(trueShapes(model_->shapes(), config.body_error, config.seed)),
       kinematics_(model_),
-      world_(scene(config.scene)),
+      world_(worldOf(config)),
       path_(pathOf(config, model_, world_)),
       controller_(config.controller, path_.length()),
+      head_(config.head, config.start),
       scanner_(config.scanner, config.seed),
       now_(config.start),
       scan_start_(config.start),
       hand_shapes_(handShapes(*model_)),
       tilt_(variableIndex(*model_, "laser_tilt_joint")),
+      head_yaw_(variableIndex(*model_, "head_yaw_joint")),
       sensor_(linkIndex(*model_, "laser_link")),
       palm_(linkIndex(*model_, "right_palm_link")) {
   if (config.motion == kCommanded) {
@@ -106,6 +115,7 @@ std::string Simulator::command(const ArmCommand& command) {
 
 StepOutput Simulator::step() {
   now_ += kStep;
+  head_.step(now_);
   moveArms();
   maybeAddObstacle();
   const std::vector<double> positions = joints();
@@ -142,7 +152,8 @@ bool Simulator::armsBrake() const {
 std::vector<double> Simulator::joints() const {
   std::vector<double> joints =
       commanded_ ? commanded_->positions() : path_.positions(controller_.distance());
-  joints[tilt_] = config_.tilt.position(now_ - config_.start);
+  joints[tilt_] = head_.tilt();
+  joints[head_yaw_] = head_.yaw();
   return joints;
 }
 
@@ -154,7 +165,8 @@ std::vector<double> Simulator::jointVelocities() const {
     velocities = path_.slopes(controller_.distance());
     for (double& velocity : velocities) velocity *= controller_.speed();
   }
-  velocities[tilt_] = config_.tilt.velocity(now_ - config_.start);
+  velocities[tilt_] = head_.tiltVelocity();
+  velocities[head_yaw_] = head_.yawVelocity();
   return velocities;
 }
 

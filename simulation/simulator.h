@@ -12,6 +12,7 @@
 #include "simulation/motion.h"
 #include "simulation/obstacle.h"
 #include "simulation/scanner.h"
+#include "simulation/scanning_head.h"
 #include "simulation/truth.h"
 #include "simulation/world.h"
 #include "tccm_monitor/robot/kinematics.h"
@@ -48,10 +49,12 @@ class Simulator {
   struct Config {
     Time start{std::chrono::seconds(1000)};
     std::string scene = "table";
+    World objects;  ///< in the scene as well
     std::string motion = "reach";
+    std::optional<ArmPath> path;  ///< in place of the motion
     PathController::Config controller;
     CommandedArms::Config commanded;  ///< of the motion kCommanded alone
-    TiltMotion tilt;
+    ScanningHead::Config head;
     Scanner::Config scanner;
     std::uint64_t seed = 1;
     ObstacleKind obstacle = ObstacleKind::kNone;
@@ -82,6 +85,10 @@ class Simulator {
   StepOutput step();
   /// What the controller hears from now on; arms that are commanded do not care.
   void setStop(bool stop);
+  /// As PathController::setSpeedScale().
+  void setSpeedScale(double scale) { controller_.setSpeedScale(scale); }
+  /// As ScanningHead::setFault().
+  void setTiltFault(TiltFault fault) { head_.setFault(fault); }
   /// From now on. @return empty, or in one line why the command is not taken. @pre the motion is
   /// kCommanded
   [[nodiscard]] std::string command(const ArmCommand& command);
@@ -91,6 +98,7 @@ class Simulator {
   [[nodiscard]] const World& world() const { return world_; }
   [[nodiscard]] const Truth& truth() const { return truth_; }
   [[nodiscard]] const PathController& controller() const { return controller_; }
+  [[nodiscard]] const ScanningHead& head() const { return head_; }
 
  private:
   void moveArms();
@@ -122,6 +130,7 @@ class Simulator {
   ArmPath path_;
   PathController controller_;
   std::optional<CommandedArms> commanded_;  ///< in place of path and controller
+  ScanningHead head_;
   Scanner scanner_;
   Truth truth_;
   Time now_;
@@ -133,6 +142,7 @@ class Simulator {
   std::optional<SampledBody> sampled_hand_;
   std::vector<std::size_t> hand_shapes_;  ///< indices into the model's shapes
   std::size_t tilt_;                      ///< variable
+  std::size_t head_yaw_;                  ///< variable
   std::size_t sensor_;                    ///< link
   std::size_t palm_;                      ///< link
 };

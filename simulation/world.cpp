@@ -18,24 +18,18 @@ Shape cylinder(double radius, double length) { return Cylinder{radius, 0.5 * len
 World floorOnly() { return {{"floor", box(8.0, 8.0, 0.1), at(0.0, 0.0, -0.05), kGrey}}; }
 
 void addTable(World& world) {
-  world.push_back({"table", box(0.50, 1.40, 0.03), at(0.70, 0.0, 0.735), kWood});
-  for (const double x : {0.50, 0.90}) {
-    for (const double y : {-0.65, 0.65}) {
-      world.push_back({"table", cylinder(0.02, 0.72), at(x, y, 0.36), kGrey});
-    }
-  }
+  for (const SceneObject& part : bareTable()) world.push_back(part);
 }
 
 void addTableware(World& world) {
-  constexpr double kTop = 0.75;
-  world.push_back({"mug", cylinder(0.04, 0.10), at(0.66, 0.12, kTop + 0.05), kWhite});
-  world.push_back({"mug", box(0.012, 0.04, 0.06), at(0.66, 0.175, kTop + 0.05), kWhite});
-  world.push_back({"bottle", cylinder(0.035, 0.18), at(0.82, 0.32, kTop + 0.09), kGreen});
-  world.push_back({"bottle", cylinder(0.014, 0.07), at(0.82, 0.32, kTop + 0.215), kGreen});
-  Pose box_pose = at(0.62, 0.50, kTop + 0.06);
+  world.push_back({"mug", cylinder(0.04, 0.10), at(0.66, 0.12, kTableTop + 0.05), kWhite});
+  world.push_back({"mug", box(0.012, 0.04, 0.06), at(0.66, 0.175, kTableTop + 0.05), kWhite});
+  world.push_back({"bottle", cylinder(0.035, 0.18), at(0.82, 0.32, kTableTop + 0.09), kGreen});
+  world.push_back({"bottle", cylinder(0.014, 0.07), at(0.82, 0.32, kTableTop + 0.215), kGreen});
+  Pose box_pose = at(0.62, 0.50, kTableTop + 0.06);
   box_pose.rotate(Eigen::AngleAxisd(0.4, Vector3::UnitZ()));
   world.push_back({"box", box(0.18, 0.10, 0.12), box_pose, kYellow});
-  world.push_back({"can", cylinder(0.033, 0.115), at(0.72, -0.57, kTop + 0.0575), kBlue});
+  world.push_back({"can", cylinder(0.033, 0.115), at(0.72, -0.57, kTableTop + 0.0575), kBlue});
 }
 
 void addShelf(World& world) {
@@ -69,15 +63,40 @@ Time Entrance::arrives() const {
   return offset.isZero() ? appears : appears + fromSeconds(offset.norm() / speed_mps);
 }
 
+Time Departure::gone() const { return leaves + fromSeconds(offset.norm() / speed_mps); }
+
 std::optional<Pose> SceneObject::poseAt(Time stamp) const {
-  if (!entrance) return T_fixed_shape;
-  if (stamp < entrance->appears) return std::nullopt;
+  if (entrance && stamp < entrance->appears) return std::nullopt;
+  if (departure && stamp >= departure->gone()) return std::nullopt;
   Pose pose = T_fixed_shape;
-  if (stamp < entrance->arrives()) {
+  if (departure && stamp > departure->leaves) {
+    const double way = toSeconds(stamp - departure->leaves) * departure->speed_mps;
+    pose.pretranslate(way * departure->offset.normalized());
+  } else if (entrance && stamp < entrance->arrives()) {
     const double left = toSeconds(entrance->arrives() - stamp) * entrance->speed_mps;
     pose.pretranslate(left * entrance->offset.normalized());
   }
   return pose;
+}
+
+Body bodyOf(const World& world) {
+  Body body;
+  for (const SceneObject& part : world) {
+    body.shapes.push_back(part.shape);
+    body.poses.push_back(part.T_fixed_shape);
+  }
+  return body;
+}
+
+World bareTable() {
+  World world;
+  world.push_back({"table", box(0.50, 1.40, 0.03), at(0.70, 0.0, 0.735), kWood});
+  for (const double x : {0.50, 0.90}) {
+    for (const double y : {-0.65, 0.65}) {
+      world.push_back({"table", cylinder(0.02, 0.72), at(x, y, 0.36), kGrey});
+    }
+  }
+  return world;
 }
 
 Pose at(double x, double y, double z) { return Pose(Eigen::Translation3d(x, y, z)); }

@@ -21,6 +21,15 @@ struct Entrance {
   [[nodiscard]] Time arrives() const;
 };
 
+/// How an object leaves the scene: it goes that way, and is gone at its end.
+struct Departure {
+  Time leaves;
+  Vector3 offset;          ///< [m, fixed frame], not zero
+  double speed_mps = 0.5;  ///< above 0
+
+  [[nodiscard]] Time gone() const;
+};
+
 /// A primitive in the scene; an object of several primitives is several of these with one name.
 struct SceneObject {
   std::string name;
@@ -28,12 +37,16 @@ struct SceneObject {
   Pose T_fixed_shape;      ///< its final place
   Eigen::Vector3f colour;  ///< red, green, blue, 0..1
   std::optional<Entrance> entrance = std::nullopt;
+  std::optional<Departure> departure = std::nullopt;  ///< after it has come to its place
 
-  /// Nothing before it appears.
+  /// Nothing before it appears, and once it is gone.
   [[nodiscard]] std::optional<Pose> poseAt(Time stamp) const;
 };
 
 using World = std::vector<SceneObject>;
+
+/// Where everything finally is.
+[[nodiscard]] Body bodyOf(const World& world);
 
 [[nodiscard]] Pose at(double x, double y, double z);
 
@@ -41,6 +54,12 @@ using World = std::vector<SceneObject>;
 /// bottle, a box and a can; "shelf", 900 x 300 x 1200 mm, its front 0.95 m ahead, with an open
 /// drawer; "empty", the floor alone, which the others have too.
 [[nodiscard]] std::vector<std::string> sceneNames();
+
+/// The table of the scene "table" with nothing on it.
+[[nodiscard]] World bareTable();
+
+/// Height of its top [m].
+constexpr double kTableTop = 0.75;
 
 /// In base_link on the floor. @throws ConfigError for an unknown name.
 [[nodiscard]] World scene(const std::string& name);

@@ -226,6 +226,66 @@ TEST(SimulatorTest, AnObstacleAppearsAheadOfACommandedHandOnceItMovesAhead) {
   EXPECT_NEAR(*simulator.truth().obstacle_min_m, 0.15, 0.02);
 }
 
+/// The last robot sample of that time.
+RobotSample sampleAfter(Simulator& simulator, double seconds) {
+  const Time end = simulator.now() + fromSeconds(seconds);
+  std::optional<RobotSample> last;
+  while (simulator.now() < end) {
+    StepOutput output = simulator.step();
+    if (output.robot) last = output.robot;
+  }
+  return *last;
+}
+
+TEST(SimulatorTest, AHandThatObeysASpeedScaleMovesAsMuchMoreSlowly) {
+  Simulator simulator(Simulator::Config{});
+  simulator.setSpeedScale(0.4);
+  double fastest = 0.0;
+  scansOf(simulator, 4.0);
+  for (const HandSample& sample : simulator.truth().hand) {
+    fastest = std::max(fastest, sample.speed_mps);
+  }
+  EXPECT_NEAR(fastest, 0.1, 1e-3);
+}
+
+TEST(SimulatorTest, ScansAndTrueTiltPositionsGoOnWhileTheTiltIsFrozen) {
+  Simulator::Config config;
+  config.head.faults = {{TiltFault::kFrozen, 1.0, 2.0}};
+  Simulator simulator(config);
+  const std::size_t tilt = variableIndex(simulator.model(), "laser_tilt_joint");
+  const double before = sampleAfter(simulator, 0.5).positions[tilt];
+  const double frozen = sampleAfter(simulator, 1.0).positions[tilt];
+  EXPECT_NE(before, frozen);
+  EXPECT_GE(scansOf(simulator, 1.0).size(), 35U);
+  EXPECT_EQ(sampleAfter(simulator, 0.2).positions[tilt], frozen);
+  EXPECT_EQ(sampleAfter(simulator, 0.2).velocities[tilt], 0.0);
+  EXPECT_NE(sampleAfter(simulator, 0.5).positions[tilt], frozen);
+}
+
+TEST(SimulatorTest, AHeadThatIsTurnedAwaySeesTheTableNoLonger) {
+  Simulator::Config config;
+  Simulator simulator(config);
+  const auto beamsOnTable = [&](double seconds) {
+    int beams = 0;
+    for (const SimulatedScan& scan : scansOf(simulator, seconds)) {
+      for (const BeamTruth& beam : scan.truth) {
+        const bool scene = beam.label && *beam.label >= Simulator::kFirstObject;
+        if (scene && simulator.world()[*beam.label - Simulator::kFirstObject].name == "can") {
+          ++beams;
+        }
+      }
+    }
+    return beams;
+  };
+  EXPECT_GT(beamsOnTable(1.6), 20);
+  simulator.setTiltFault(TiltFault::kTurnedAway);
+  scansOf(simulator, 1.0);
+  EXPECT_EQ(beamsOnTable(1.6), 0);
+  simulator.setTiltFault(TiltFault::kNone);
+  scansOf(simulator, 1.0);
+  EXPECT_GT(beamsOnTable(1.6), 20);
+}
+
 std::vector<std::size_t> armShapes(const RobotModel& model) {
   LinkUse arms;
   arms.links = {"left_*", "right_*"};
