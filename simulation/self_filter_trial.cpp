@@ -4,9 +4,7 @@
 #include <numeric>
 #include <random>
 #include <set>
-#include <stdexcept>
 
-#include "simulation/robot/dual_arm.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
@@ -15,12 +13,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kContactsListed = 100;
-
-std::vector<std::string> jointNames(const RobotModel& model) {
-  std::vector<std::string> names;
-  for (const JointVariable& variable : model.variables()) names.push_back(variable.name);
-  return names;
-}
 
 bool measured(const BeamTruth& truth, const Beam& beam) {
   return beam.measured() && (truth.mixed || truth.label);
@@ -81,74 +73,39 @@ void SelfFilterTrial::Config::validate() const {
 
 SelfFilterTrial::SelfFilterTrial(const Config& config, std::shared_ptr<const RobotModel> model)
     : config_(validated(config)),
-      simulator_(config.simulator),
-      monitor_(config.monitor, std::move(model)),
+      simulation_(config.simulator, config.monitor, std::move(model)),
       grid_(config.monitor.mapper.map.grid),
       random_(config.simulator.seed),
-      sensor_(linkIndex(simulator_.model(), "laser_link")),
-      joints_(jointNames(simulator_.model())),
-      next_pause_change_(config.pause_every_s > 0.0 ? simulator_.now() : Time::max()) {
-  monitor_.checker().setRootPose(0, simulator_.now(), Pose::Identity(), true);
+      next_pause_change_(config.pause_every_s > 0.0 ? now() : Time::max()) {
+  simulation_.onScan([this](const SimulatedScan& scan) { countBeams(scan); });
+  simulation_.onVerdict([this](const Verdict& verdict) { countCheck(verdict); });
 }
 
 const SelfFilterTally& SelfFilterTrial::run(const std::function<void(double)>& progress) {
-  const Time start = simulator_.now();
+  const Time start = now();
   const Time end = start + fromSeconds(config_.duration_s);
-  while (simulator_.now() < end) {
+  while (now() < end) {
     decidePause();
-    StepOutput output = simulator_.step();
-    if (output.scan) waiting_.push_back(std::move(*output.scan));
-    if (!output.robot) continue;
-    addRobot(*output.robot);
-    mapReady();
-    if (progress) progress(toSeconds(simulator_.now() - start) / config_.duration_s);
+    if (!simulation_.step()) continue;
+    if (progress) progress(toSeconds(now() - start) / config_.duration_s);
   }
   return tally_;
 }
 
 void SelfFilterTrial::decidePause() {
-  if (simulator_.now() < next_pause_change_) return;
+  if (now() < next_pause_change_) return;
   std::uniform_real_distribution<double> around_one(0.5, 1.5);
   const double mean_s = config_.pause_every_s * (paused_ ? 1.0 : 0.25);
-  next_pause_change_ = simulator_.now() + fromSeconds(mean_s * around_one(random_));
-  simulator_.setStop(!paused_);
+  next_pause_change_ = now() + fromSeconds(mean_s * around_one(random_));
+  simulation_.simulator().setStop(!paused_);
   paused_ = !paused_;
-}
-
-void SelfFilterTrial::addRobot(const RobotSample& sample) {
-  constexpr std::size_t kKept = 12;  // at 10 ms each: more than a scan and its wait
-  if (recent_.size() == kKept) recent_.erase(recent_.begin());
-  recent_.push_back(sample);
-  monitor_.addJoints(sample.stamp, sample.stamp, joints_, sample.positions, sample.velocities);
-  check();
-}
-
-void SelfFilterTrial::mapReady() {
-  PosePath T_fixed_sensor;
-  std::vector<PosePath> T_fixed_roots(1);
-  for (const RobotSample& sample : recent_) {
-    T_fixed_sensor.add(sample.stamp, sample.link_poses[sensor_]);
-    T_fixed_roots.front().add(sample.stamp, Pose::Identity());
-  }
-  while (!waiting_.empty() && waiting_.front().scan.lastBeamTime() <= recent_.back().stamp) {
-    const SimulatedScan scan = std::move(waiting_.front());
-    waiting_.erase(waiting_.begin());
-    // The very first scan began before the robot was heard of.
-    if (scan.scan.stamp < recent_.front().stamp) continue;
-    const auto outcome =
-        monitor_.addScan(simulator_.now(), scan.scan, T_fixed_sensor, T_fixed_roots);
-    if (!outcome.dropped.empty())
-      throw std::runtime_error("a scan was dropped: " + outcome.dropped);
-    countBeams(scan);
-    check();
-  }
 }
 
 void SelfFilterTrial::countBeams(const SimulatedScan& scan) {
   ++tally_.scans;
   std::vector<PointLedger::Entry> entries;
   for (std::size_t i = 0; i < scan.truth.size(); ++i) {
-    const Beam& beam = monitor_.assembled().beams[i];
+    const Beam& beam = simulation_.monitor().assembled().beams[i];
     if (!measured(scan.truth[i], beam)) continue;
     const BeamSource source = sourceOf(scan.truth[i]);
     BeamFates& fates = tally_.fates[static_cast<std::size_t>(source)];
@@ -158,12 +115,10 @@ void SelfFilterTrial::countBeams(const SimulatedScan& scan) {
     ++fates.in_area[BeamFates::index(beam.kind)];
     if (beam.kind == BeamKind::kReturn) entries.push_back({place->cell, place->height, source});
   }
-  ledger_.add(std::move(entries), monitor_.map()->window_scans);
+  ledger_.add(std::move(entries), simulation_.monitor().map()->window_scans);
 }
 
-void SelfFilterTrial::check() {
-  if (monitor_.map() == nullptr) return;
-  const Verdict& verdict = monitor_.checker().check(simulator_.now());
+void SelfFilterTrial::countCheck(const Verdict& verdict) {
   ++tally_.checks;
   if (verdict.collision) noteContacts(verdict);
   in_contact_ = verdict.collision;
@@ -174,8 +129,9 @@ SourceCounts SelfFilterTrial::supportersOf(const Verdict& verdict) {
   for (const auto* contacts : {&verdict.now.contacts, &verdict.ahead.contacts}) {
     for (const Contact& contact : *contacts) cuboids.insert(contact.cuboid);
   }
-  const CuboidMap& map = *monitor_.map();
-  const double height_m = monitor_.checker().config().pose.collision.support_height_m;
+  const Monitor& monitor = simulation_.monitor();
+  const CuboidMap& map = *monitor.map();
+  const double height_m = monitor.checker().config().pose.collision.support_height_m;
   SourceCounts sum{};
   for (const std::uint32_t cuboid : cuboids) {
     const SourceCounts counts = ledger_.around(map, map.cuboids[cuboid], height_m);
@@ -190,7 +146,7 @@ void SelfFilterTrial::noteContacts(const Verdict& verdict) {
   const std::vector<Contact>& first =
       verdict.now.collision ? verdict.now.contacts : verdict.ahead.contacts;
   FalseContact contact{verdict.stamp, !verdict.now.collision, {}, {}};
-  contact.link = monitor_.checker().model().linkOf(first.front().shape);
+  contact.link = simulation_.monitor().checker().model().linkOf(first.front().shape);
   contact.supporters = supportersOf(verdict);
   for (std::size_t i = 0; i < kBeamSources; ++i) {
     if (contact.supporters[i] > 0) ++tally_.contacts_with[i];

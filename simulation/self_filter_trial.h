@@ -8,9 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "simulation/monitored_simulation.h"
 #include "simulation/point_ledger.h"
-#include "simulation/simulator.h"
-#include "tccm_monitor/monitor.h"
 
 namespace tccm::simulation {
 
@@ -84,25 +83,19 @@ class SelfFilterTrial {
 
  private:
   void decidePause();
-  void addRobot(const RobotSample& sample);
-  void mapReady();
   void countBeams(const SimulatedScan& scan);
-  void check();
+  void countCheck(const Verdict& verdict);
   void noteContacts(const Verdict& verdict);
   [[nodiscard]] SourceCounts supportersOf(const Verdict& verdict);
+  [[nodiscard]] Time now() const { return simulation_.simulator().now(); }
 
   Config config_;
-  Simulator simulator_;
-  Monitor monitor_;
+  MonitoredSimulation simulation_;
   Grid grid_;
   PointLedger ledger_;
   std::mt19937_64 random_;
-  std::size_t sensor_;
-  std::vector<std::string> joints_;
   Time next_pause_change_;
   bool paused_ = false;
-  std::vector<RobotSample> recent_;
-  std::vector<SimulatedScan> waiting_;  ///< for a robot sample after their last beam
   bool in_contact_ = false;
   SelfFilterTally tally_;
 };

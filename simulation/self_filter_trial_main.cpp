@@ -1,23 +1,15 @@
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "simulation/robot/dual_arm.h"
 #include "simulation/self_filter_trial.h"
-#include "tccm_monitor/config_error.h"
-#include "tccm_monitor/ros/settings.h"
+#include "simulation/simulated_settings.h"
+#include "tools/program.h"
 
 namespace tccm::simulation {
 namespace {
-
-constexpr int kDone = 0;
-constexpr int kLimitMissed = 1;
-constexpr int kBadInput = 2;
 
 struct Options {
   SelfFilterTrial::Config trial;
@@ -72,28 +64,6 @@ void declare(CLI::App& app, Options& options) {
       ->always_capture_default(false);
 }
 
-/// A bar on standard error; nothing where that is no terminal.
-std::function<void(double)> progressBar() {
-  if (isatty(STDERR_FILENO) == 0) return {};
-  return [shown = -1](double fraction) mutable {
-    const int percent = static_cast<int>(100.0 * fraction);
-    if (percent == shown) return;
-    shown = percent;
-    const std::string bar(static_cast<std::size_t>(percent / 2), '#');
-    std::fprintf(stderr, "\r[%-50s] %3d %%%s", bar.c_str(), percent, percent >= 100 ? "\n" : "");
-  };
-}
-
-/// What config/simulation.yaml says and the filter depends on.
-MonitorSettings settingsOf(const Options& options) {
-  MonitorSettings settings = readMonitorSettings(options.config);
-  if (options.config.empty()) {
-    settings.robot.capsule_links = dualArmCapsuleLinks();
-    settings.mapper.mapper.map.grid.height_min_m = 0.1;
-  }
-  return settings;
-}
-
 nlohmann::ordered_json settingsToJson(const Options& options) {
   const Simulator::Config& simulator = options.trial.simulator;
   const ScanAssembler::Config& assembler = options.trial.monitor.assembler;
@@ -137,15 +107,11 @@ void print(const SelfFilterTally& tally, const std::vector<std::string>& missed)
 }
 
 int run(Options& options) {
-  const MonitorSettings settings = settingsOf(options);
+  const MonitorSettings settings = simulatedSettings(options.config);
   options.trial.monitor = settings.monitorConfig();
   options.trial.duration_s = 60.0 * options.minutes;
   options.trial.simulator.body_error.kind = bodyErrorKind(options.body_error);
-  std::error_code error;
-  std::filesystem::create_directories(options.out, error);
-  if (!std::filesystem::is_directory(options.out)) {
-    throw std::runtime_error("cannot make the folder " + options.out);
-  }
+  makeFolder(options.out);
   SelfFilterTrial trial(options.trial,
                         std::make_shared<const RobotModel>(dualArmUrdf(), settings.robot));
   const SelfFilterTally& tally = trial.run(progressBar());
@@ -155,10 +121,7 @@ int run(Options& options) {
   summary.update(toJson(tally));
   summary["limits_missed"] = missed;
   const std::string path = (std::filesystem::path(options.out) / "summary.json").string();
-  std::ofstream file(path);
-  file << summary.dump(2) << '\n';
-  file.close();
-  if (!file) throw std::runtime_error("cannot write " + path);
+  writeText(path, summary.dump(2) + '\n');
   print(tally, missed);
   std::printf("written           %s\n", path.c_str());
   return missed.empty() ? kDone : kLimitMissed;
@@ -185,6 +148,6 @@ int main(int argc, char** argv) {
     return app.exit(help);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "self_filter_trial: %s\n", error.what());
-    return kBadInput;
+    return tccm::kBadInput;
   }
 }

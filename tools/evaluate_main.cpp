@@ -59,12 +59,6 @@ std::shared_ptr<const RobotModel> readModel(const Options& options,
                                             resources);
 }
 
-void makeFolder(const std::string& path) {
-  std::error_code error;
-  std::filesystem::create_directories(path, error);
-  if (!std::filesystem::is_directory(path)) throw InputError("cannot make the folder " + path);
-}
-
 /// The dumps that were asked for; null where not.
 struct Dumps {
   std::unique_ptr<CsvFile> points;

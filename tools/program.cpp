@@ -26,6 +26,12 @@ void writeText(const std::string& path, const std::string& text) {
   if (!file) throw InputError("cannot write " + path);
 }
 
+void makeFolder(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (!std::filesystem::is_directory(path)) throw InputError("cannot make the folder " + path);
+}
+
 Progress progressBar() {
   if (isatty(STDERR_FILENO) == 0) return {};
   return [shown = -1](double fraction) mutable {

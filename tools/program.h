@@ -25,6 +25,9 @@ class InputError : public std::runtime_error {
 /// @throws InputError where not all of it could be written.
 void writeText(const std::string& path, const std::string& text);
 
+/// Where it is not there yet. @throws InputError
+void makeFolder(const std::string& path);
+
 /// @param fraction_done from 0 to 1.
 using Progress = std::function<void(double fraction_done)>;
 /// A bar on standard error; empty where that is no terminal.

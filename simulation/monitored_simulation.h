@@ -1,0 +1,57 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "simulation/simulator.h"
+#include "tccm_monitor/monitor.h"
+
+namespace tccm::simulation {
+
+/// A monitor that watches the simulated robot, in simulated time: it hears of the joints at 100 Hz,
+/// maps each scan as soon as the robot is known at its last beam, and checks after either.
+class MonitoredSimulation {
+ public:
+  /// @param model what the monitor takes the robot for. @throws ConfigError
+  MonitoredSimulation(const Simulator::Config& simulator, const Monitor::Config& monitor,
+                      std::shared_ptr<const RobotModel> model);
+
+  /// Called with each scan once it is in the map, before the check of it.
+  void onScan(std::function<void(const SimulatedScan&)> handle) { on_scan_ = std::move(handle); }
+  /// Called with each verdict; there are none before the first map.
+  void onVerdict(std::function<void(const Verdict&)> handle) { on_verdict_ = std::move(handle); }
+  /// From now on the arms do what the verdicts say: they stop, and scale their speed.
+  void obey() { obeys_ = true; }
+
+  /// Moves on by 1 ms. @return whether the robot's joints were heard of.
+  /// @throws std::runtime_error where the monitor drops a scan: all that it needs is there.
+  bool step();
+
+  /// As the monitor heard of it last; nothing before it did.
+  [[nodiscard]] const RobotSample* robot() const {
+    return recent_.empty() ? nullptr : &recent_.back();
+  }
+  [[nodiscard]] Simulator& simulator() { return simulator_; }
+  [[nodiscard]] const Simulator& simulator() const { return simulator_; }
+  [[nodiscard]] Monitor& monitor() { return monitor_; }
+  [[nodiscard]] const Monitor& monitor() const { return monitor_; }
+
+ private:
+  void addRobot(const RobotSample& sample);
+  void mapReady();
+  void check();
+
+  Simulator simulator_;
+  Monitor monitor_;
+  std::size_t sensor_;  ///< link
+  std::vector<std::string> joints_;
+  std::function<void(const SimulatedScan&)> on_scan_;
+  std::function<void(const Verdict&)> on_verdict_;
+  bool obeys_ = false;
+  std::vector<RobotSample> recent_;
+  std::vector<SimulatedScan> waiting_;  ///< for a robot sample after their last beam
+};
+
+}  // namespace tccm::simulation
