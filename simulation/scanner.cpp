@@ -35,9 +35,27 @@ class RayCaster {
     }
   }
 
+  /// From now on rays are cast from there along the direction, or aside of it by no more than the
+  /// angle.
+  void aim(const Ray& axis, double angle) {
+    const double spread = std::tan(angle);
+    aimed_at_.clear();
+    for (std::size_t i = 0; i < targets_.size(); ++i) {
+      const Target& target = targets_[i];
+      const Vector3 to_centre = target.centre - axis.origin;
+      const double along = to_centre.dot(axis.direction);
+      const double reach = target.radius + spread * (std::abs(along) + target.radius);
+      const double across_squared = to_centre.squaredNorm() - along * along;
+      if (along >= -target.radius - reach && across_squared <= reach * reach + kTiny) {
+        aimed_at_.push_back(i);
+      }
+    }
+  }
+
+  /// @pre aim() included the ray.
   [[nodiscard]] Hit cast(const Ray& ray, double range_max) const {
     Hit nearest;
-    for (std::size_t i = 0; i < targets_.size(); ++i) {
+    for (const std::size_t i : aimed_at_) {
       const Target& target = targets_[i];
       const Vector3 to_centre = target.centre - ray.origin;
       const double along = to_centre.dot(ray.direction);
@@ -60,15 +78,17 @@ class RayCaster {
     double radius;
     std::size_t label;
   };
+  static constexpr double kTiny = 1e-9;  // [m^2], far above rounding
   std::vector<Target> targets_;
+  std::vector<std::size_t> aimed_at_;  ///< indices, rising
 };
 
 /// The sensor's pose and the targets at any instant between the first and the last snapshot.
 class MovingScene {
  public:
-  explicit MovingScene(const std::vector<Snapshot>& snapshots) : snapshots_(snapshots) {
+  explicit MovingScene(const std::vector<Snapshot>& snapshots)
+      : snapshots_(snapshots), casters_(snapshots.size()) {
     for (const Snapshot& snapshot : snapshots) {
-      casters_.emplace_back(snapshot);
       T_fixed_sensor_.add(snapshot.stamp, snapshot.T_fixed_sensor);
     }
   }
@@ -79,18 +99,24 @@ class MovingScene {
     return *pose;
   }
 
-  [[nodiscard]] const RayCaster& casterAt(Time stamp) const {
-    const auto later = std::find_if(snapshots_.begin(), snapshots_.end(),
-                                    [&](const Snapshot& s) { return s.stamp >= stamp; });
-    auto index = static_cast<std::size_t>(later - snapshots_.begin());
-    if (index == snapshots_.size()) return casters_.back();
-    if (index > 0 && stamp - snapshots_[index - 1].stamp < later->stamp - stamp) --index;
-    return casters_[index];
+  [[nodiscard]] RayCaster& casterAt(Time stamp) {
+    const std::size_t index = nearestTo(stamp);
+    if (!casters_[index]) casters_[index].emplace(snapshots_[index]);
+    return *casters_[index];
   }
 
  private:
+  [[nodiscard]] std::size_t nearestTo(Time stamp) const {
+    const auto later = std::find_if(snapshots_.begin(), snapshots_.end(),
+                                    [&](const Snapshot& s) { return s.stamp >= stamp; });
+    auto index = static_cast<std::size_t>(later - snapshots_.begin());
+    if (index == snapshots_.size()) return index - 1;
+    if (index > 0 && stamp - snapshots_[index - 1].stamp < later->stamp - stamp) --index;
+    return index;
+  }
+
   const std::vector<Snapshot>& snapshots_;
-  std::vector<RayCaster> casters_;
+  std::vector<std::optional<RayCaster>> casters_;  ///< those that were asked for
   PosePath T_fixed_sensor_;
 };
 
@@ -118,13 +144,15 @@ struct Spot {
   }
 };
 
-Spot lookThroughSpot(const RayCaster& caster, const Pose& T_fixed_sensor, double azimuth,
+Spot lookThroughSpot(RayCaster& caster, const Pose& T_fixed_sensor, double azimuth,
                      const Scanner::Config& config) {
   const auto cast = [&](double d_azimuth, double d_elevation) {
     const Vector3 d = T_fixed_sensor.linear() * direction(azimuth + d_azimuth, d_elevation);
     return caster.cast({T_fixed_sensor.translation(), d}, config.range_max_m);
   };
   const double half = 0.5 * config.spot_deg * kDegree;
+  const Vector3 axis = T_fixed_sensor.linear() * direction(azimuth, 0.0);
+  caster.aim({T_fixed_sensor.translation(), axis}, 1.01 * half);
   Spot spot;
   spot.axis = cast(0.0, 0.0);
   spot.nearest = spot.farthest = spot.axis;
@@ -186,7 +214,7 @@ SimulatedScan Scanner::measure(Time stamp, const std::vector<Snapshot>& snapshot
   scan.range_min = config_.range_min_m;
   scan.range_max = config_.range_max_m;
 
-  const MovingScene scene(snapshots);
+  MovingScene scene(snapshots);
   for (std::size_t i = 0; i < config_.beams; ++i) {
     const Time beam_time = scan.beamTime(i);
     const double azimuth = scan.angle_min + static_cast<double>(i) * increment;
