@@ -26,6 +26,11 @@ MonitoredSimulation::MonitoredSimulation(const Simulator::Config& simulator,
   monitor_.checker().setRootPose(0, simulator_.now(), Pose::Identity(), true);
 }
 
+void MonitoredSimulation::obey() {
+  obeys_ = true;
+  simulator_.setStop(true);
+}
+
 bool MonitoredSimulation::step() {
   StepOutput output = simulator_.step();
   if (output.scan) waiting_.push_back(std::move(*output.scan));

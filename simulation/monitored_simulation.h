@@ -22,8 +22,9 @@ class MonitoredSimulation {
   void onScan(std::function<void(const SimulatedScan&)> handle) { on_scan_ = std::move(handle); }
   /// Called with each verdict; there are none before the first map.
   void onVerdict(std::function<void(const Verdict&)> handle) { on_verdict_ = std::move(handle); }
-  /// From now on the arms do what the verdicts say: they stop, and scale their speed.
-  void obey() { obeys_ = true; }
+  /// From now on the arms do what the verdicts say: they stop, and scale their speed. Until the
+  /// first verdict they stand.
+  void obey();
 
   /// Moves on by 1 ms. @return whether the robot's joints were heard of.
   /// @throws std::runtime_error where the monitor drops a scan: all that it needs is there.

@@ -2,6 +2,8 @@
 
 #include <stdexcept>
 
+#include "tccm_monitor/robot/kinematics.h"
+
 namespace tccm::simulation {
 
 std::vector<std::string> dualArmCapsuleLinks() {
@@ -27,6 +29,14 @@ std::size_t linkIndex(const RobotModel& model, const std::string& link) {
     if (model.links()[i] == link) return i;
   }
   throw std::out_of_range("no link " + link);
+}
+
+Vector3 laserOrigin(const std::shared_ptr<const RobotModel>& model, double tilt_rad) {
+  Kinematics kinematics(model);
+  std::vector<double> joints(model->variables().size(), 0.0);
+  joints[variableIndex(*model, "laser_tilt_joint")] = tilt_rad;
+  kinematics.update(joints, {Pose::Identity()});
+  return kinematics.linkPoses()[linkIndex(*model, "laser_link")].translation();
 }
 
 }  // namespace tccm::simulation

@@ -21,4 +21,7 @@ namespace tccm::simulation {
 /// @throws std::out_of_range naming the link.
 [[nodiscard]] std::size_t linkIndex(const RobotModel& model, const std::string& link);
 
+/// Where the laser's origin is at a tilt, the head ahead, in base_link.
+[[nodiscard]] Vector3 laserOrigin(const std::shared_ptr<const RobotModel>& model, double tilt_rad);
+
 }  // namespace tccm::simulation

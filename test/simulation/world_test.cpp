@@ -15,6 +15,18 @@ TEST(WorldTest, AnObjectAppearsAndMovesStraightToItsPlace) {
   EXPECT_EQ(object.poseAt(appears + std::chrono::seconds(3))->translation().y(), 0.0);
 }
 
+TEST(WorldTest, AnObjectThatLeavesMovesAwayAndIsGone) {
+  SceneObject object{"ball", Sphere{0.1}, at(1.0, 0.0, 0.0), Eigen::Vector3f::Zero()};
+  const Time appears{std::chrono::seconds(5)};
+  const Time leaves{std::chrono::seconds(10)};
+  object.entrance = Entrance{appears, Vector3(0.0, 1.0, 0.0), 0.5};
+  object.departure = Departure{leaves, Vector3(0.0, 0.0, 0.5), 0.25};
+  EXPECT_NEAR(object.poseAt(appears + std::chrono::seconds(1))->translation().y(), 0.5, 1e-9);
+  EXPECT_TRUE(object.poseAt(leaves)->isApprox(at(1.0, 0.0, 0.0)));
+  EXPECT_NEAR(object.poseAt(leaves + std::chrono::seconds(1))->translation().z(), 0.25, 1e-9);
+  EXPECT_FALSE(object.poseAt(leaves + std::chrono::seconds(2)));
+}
+
 TEST(WorldTest, EverySceneHasValidShapesAndAnUnknownOneIsRefused) {
   for (const std::string& name : sceneNames()) {
     const World world = scene(name);

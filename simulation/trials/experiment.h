@@ -1,0 +1,48 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tools/program.h"
+
+namespace tccm::simulation {
+
+/// What all experiments are told.
+struct TrialOptions {
+  std::uint64_t seed = 1;
+  int jobs = 1;        ///< threads
+  std::string config;  ///< path of a YAML file with the nodelets' parameters; may be empty
+  std::string out;     ///< folder
+};
+
+/// What an experiment found.
+struct Findings {
+  nlohmann::ordered_json settings;  ///< that differ from run to run
+  nlohmann::ordered_json figures;
+  std::string rows;                 ///< CSV, the first line names the columns
+  std::vector<std::string> lines;   ///< for people
+  std::vector<std::string> missed;  ///< limits
+  double simulated_s = 0.0;
+};
+
+/// One of the program's subcommands.
+struct Experiment {
+  CLI::App* command = nullptr;
+  /// @throws ConfigError and InputError for what is asked for wrongly.
+  std::function<Findings(const TrialOptions&, const Progress&)> run;
+};
+
+/// Each declares its subcommand with its options.
+[[nodiscard]] Experiment hoverExperiment(CLI::App& app);
+
+/// The seed of a trial: those of one run differ by one, those of different runs by more.
+[[nodiscard]] inline std::uint64_t seedOf(const TrialOptions& options, std::size_t trial) {
+  return 1000003 * options.seed + trial;
+}
+
+}  // namespace tccm::simulation

@@ -1,0 +1,72 @@
+#!/usr/bin/python3
+"""Runs the program `trials`. Environment: TCCM_TRIALS the program."""
+import csv
+import json
+import os
+import subprocess
+import tempfile
+import unittest
+
+
+class TrialsTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def call(self, *arguments):
+        return subprocess.run([os.environ["TCCM_TRIALS"], *arguments], capture_output=True,
+                              text=True, timeout=300)
+
+    def results(self, *arguments, out="out"):
+        """@return exit status, results.json and the rows of results.csv."""
+        out = os.path.join(self.folder.name, out)
+        done = self.call(*arguments, "--out", out)
+        self.assertEqual(done.stderr, "")
+        with open(os.path.join(out, "results.json")) as f:
+            results = json.load(f)
+        with open(os.path.join(out, "results.csv")) as f:
+            return done.returncode, results, list(csv.DictReader(f))
+
+    def test_hovering_hands_stop_before_what_they_hide(self):
+        status, results, rows = self.results("hover", "--trials", "6", "--ghosts", "2")
+        self.assertEqual((status, results["limits_missed"]), (0, []))
+        self.assertEqual(results["figures"]["hover"]["stopped"], 6)
+        self.assertEqual(results["figures"]["ghosts"]["left_after_two_tilts"], 0)
+        self.assertEqual([row["kind"] for row in rows], 6 * ["hover"] + 2 * ["ghost"])
+        for row in rows[:6]:
+            self.assertGreater(float(row["left_m"]), 0.0)
+
+    def test_without_holding_what_is_hidden_contacts_miss_a_limit(self):
+        status, results, rows = self.results("hover", "--trials", "12", "--ghosts", "0",
+                                             "--hold-s", "0")
+        self.assertEqual((status, results["limits_missed"]), (1, ["contacts"]))
+        touched = [row for row in rows if row["outcome"] == "touched"]
+        self.assertEqual(len(touched), results["figures"]["hover"]["touched"])
+
+    def test_the_same_seed_gives_the_same_rows_whatever_the_number_of_threads(self):
+        arguments = ("hover", "--trials", "4", "--ghosts", "1")
+        once = self.results(*arguments, "--seed", "3")
+        self.assertEqual(once, self.results(*arguments, "--seed", "3", "--jobs", "2", out="again"))
+        self.assertNotEqual(once[2], self.results(*arguments, "--seed", "4", out="other")[2])
+
+    def test_bad_input_is_told_in_one_line(self):
+        for arguments in ([], ["dance"], ["hover", "--trials", "-1"], ["hover", "--speed", "0"],
+                          ["hover", "--gap-min-m", "0.2"], ["hover", "--jobs", "0"],
+                          ["hover", "--config", "/nowhere.yaml"], ["hover", "--seed", "x"]):
+            with self.subTest(arguments):
+                done = self.call(*arguments, "--out", self.folder.name)
+                self.assertEqual(done.returncode, 2)
+                self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+                self.assertTrue(done.stderr.startswith("trials: "))
+
+    def test_help_says_what_the_experiments_and_their_limits_are(self):
+        done = self.call("--help")
+        self.assertEqual(done.returncode, 0)
+        self.assertIn("hover", done.stdout)
+        done = self.call("hover", "--help")
+        self.assertEqual(done.returncode, 0)
+        self.assertIn("Limits", done.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()
