@@ -82,7 +82,7 @@ int main(int argc, char** argv) {
   CLI::App app("Closed-loop experiments with a simulated robot that obeys the monitor.", "trials");
   TrialOptions options;
   declare(app, options);
-  const std::vector<Experiment> experiments = {hoverExperiment(app)};
+  const std::vector<Experiment> experiments = {hoverExperiment(app), visibilityExperiment(app)};
   try {
     app.parse(argc, argv);
     return run(chosen(experiments), options);

@@ -114,6 +114,19 @@ class PostureCheck {
   std::vector<Obstacle> scene_;
 };
 
+Joints randomPosture(const RobotModel& model, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> uniform;
+  Joints joints(model.variables().size(), 0.0);
+  for (const JointRange& range : kRanges) {
+    for (const bool left : {true, false}) {
+      const std::string name = (left ? "left_" : "right_") + std::string(range.joint) + "_joint";
+      const double position = range.lower + uniform(random) * (range.upper - range.lower);
+      joints[variableIndex(model, name)] = left ? position : range.mirror * position;
+    }
+  }
+  return joints;
+}
+
 /// Weights of four control points of a uniform cubic B-spline at u in 0..1.
 std::array<double, 4> splineWeights(double u) {
   const double v = 1.0 - u;
@@ -197,7 +210,7 @@ class Wanderer {
 
   /// Part of the way from the last control to a random posture; now and then an arm stays.
   [[nodiscard]] Joints nextControl() {
-    const Joints goal = randomPosture();
+    const Joints goal = randomPosture(*model_, random_);
     if (controls_.empty()) return goal;
     const double share = 0.3 + 0.5 * uniform_(random_);
     const double stays = uniform_(random_);
@@ -206,18 +219,6 @@ class Wanderer {
       const bool left = startsWith(model_->variables()[j].name, "left_");
       const bool stay = left ? stays < 0.15 : stays > 0.85;
       if (!stay) joints[j] += share * (goal[j] - joints[j]);
-    }
-    return joints;
-  }
-
-  [[nodiscard]] Joints randomPosture() {
-    Joints joints(model_->variables().size(), 0.0);
-    for (const JointRange& range : kRanges) {
-      for (const bool left : {true, false}) {
-        const std::string name = (left ? "left_" : "right_") + std::string(range.joint) + "_joint";
-        const double position = range.lower + uniform_(random_) * (range.upper - range.lower);
-        joints[variableIndex(*model_, name)] = left ? position : range.mirror * position;
-      }
     }
     return joints;
   }
@@ -289,6 +290,18 @@ class Wanderer {
 };
 
 }  // namespace
+
+std::vector<double> freePosture(const Model& model, const World& world, double clearance_m,
+                                std::mt19937_64& random) {
+  constexpr int kAttempts = 100000;
+  PostureCheck check(model, world, clearance_m);
+  for (int i = 0; i < kAttempts; ++i) {
+    const Joints joints = randomPosture(*model, random);
+    if (check.passes(joints)) return joints;
+  }
+  throw ConfigError("clearance_m: no posture keeps a clearance of " + std::to_string(clearance_m) +
+                    " m");
+}
 
 ArmPath wanderPath(const Model& model, const World& world, const WanderConfig& config) {
   return ArmPath(model, Wanderer(model, world, config).knots());

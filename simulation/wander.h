@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <memory>
+#include <random>
+#include <vector>
 
 #include "simulation/arm_path.h"
 #include "simulation/world.h"
@@ -25,5 +27,11 @@ struct WanderConfig {
 /// @throws ConfigError where no such path is found.
 [[nodiscard]] ArmPath wanderPath(const std::shared_ptr<const RobotModel>& model, const World& world,
                                  const WanderConfig& config);
+
+/// A posture of both arms as the path goes between: clear of the scene, the floor apart, of each
+/// other and of the body. @throws ConfigError where none is found.
+[[nodiscard]] std::vector<double> freePosture(const std::shared_ptr<const RobotModel>& model,
+                                              const World& world, double clearance_m,
+                                              std::mt19937_64& random);
 
 }  // namespace tccm::simulation

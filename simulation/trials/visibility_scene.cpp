@@ -1,0 +1,80 @@
+#include "simulation/trials/visibility_scene.h"
+
+#include <array>
+#include <optional>
+#include <random>
+
+#include "simulation/motion.h"
+#include "simulation/obstacle.h"
+#include "simulation/robot/dual_arm.h"
+#include "simulation/trials/draw.h"
+#include "simulation/trials/robot_part.h"
+#include "simulation/wander.h"
+#include "tccm_monitor/config_error.h"
+#include "tccm_monitor/robot/kinematics.h"
+
+namespace tccm::simulation {
+namespace {
+
+using Model = std::shared_ptr<const RobotModel>;
+
+/// A point of the arms that the sensor should see.
+Vector3 goalOn(const RobotModel& model, const std::vector<Pose>& links, Draw& draw) {
+  static const std::array<const char*, 6> kLinks = {"left_elbow_link",      "left_wrist_yaw_link",
+                                                    "left_palm_link",       "right_elbow_link",
+                                                    "right_wrist_yaw_link", "right_palm_link"};
+  const Vector3 offset(draw.between(-0.08, 0.08), draw.between(-0.08, 0.08),
+                       draw.between(-0.08, 0.08));
+  return links[linkIndex(model, draw.of(kLinks))].translation() + offset;
+}
+
+/// All of it in the map's area and above the floor.
+bool isInArea(const World& obstacle) {
+  const UprightBox area(Vector3(0.0, -1.0, 0.1), Vector3(1.5, 1.0, 2.0));
+  for (const SceneObject& part : obstacle) {
+    if (!area.contains(bounds(part.shape, part.T_fixed_shape))) return false;
+  }
+  return true;
+}
+
+/// Nothing where there is no room for it.
+std::optional<World> obstacleFor(ObstacleKind kind, const Model& model, RobotPart& robot,
+                                 const std::vector<Pose>& links, double clearance_m, Draw& draw) {
+  constexpr double kSpacing = 0.02;  // [m]
+  const Vector3 sensor = laserOrigin(model, TiltMotion().mean_rad);
+  const Vector3 goal = goalOn(*model, links, draw);
+  World obstacle = obstacleBetween(kind, sensor, goal);
+  const Vector3 further = draw.between(-0.25, 0.2) * (goal - sensor);
+  for (SceneObject& part : obstacle) part.T_fixed_shape.pretranslate(further);
+  robot.moveTo(links);
+  const SampledBody body(bodyOf(obstacle), kSpacing);
+  if (!isInArea(obstacle) || clearance(robot.body(), body) < clearance_m) return std::nullopt;
+  return obstacle;
+}
+
+}  // namespace
+
+VisibilityScene visibilityScene(const Model& model, double clearance_m, std::uint64_t seed) {
+  constexpr int kAttempts = 1000;
+  static const std::array<const char*, 4> kObstacles = {"none", "pole", "arm", "box"};
+  Draw draw(seed);
+  std::mt19937_64 random(seed);
+  Kinematics kinematics(model);
+  RobotPart robot(model, {"left_*", "right_*", "head_*", "chest_link", "laser_link"}, 0.03);
+  const std::string obstacle = draw.of(kObstacles);
+  for (int i = 0; i < kAttempts; ++i) {
+    VisibilityScene scene{draw.of(sceneNames()), obstacle, {}, {}};
+    scene.joints = freePosture(model, tccm::simulation::scene(scene.scene), clearance_m, random);
+    if (obstacle == "none") return scene;
+    kinematics.update(scene.joints, {Pose::Identity()});
+    const auto objects = obstacleFor(obstacleKind(obstacle), model, robot, kinematics.linkPoses(),
+                                     clearance_m, draw);
+    if (!objects) continue;
+    scene.objects = *objects;
+    return scene;
+  }
+  throw ConfigError("clearance_m: no obstacle keeps a clearance of " + std::to_string(clearance_m) +
+                    " m");
+}
+
+}  // namespace tccm::simulation
