@@ -16,7 +16,7 @@ void declare(CLI::App& app, TrialOptions& options) {
       "Every experiment runs on the monitor's own classes, in simulated time; the same seed gives\n"
       "the same results.csv. DIR gets results.json (settings, figures, limits missed), "
       "results.csv\n"
-      "(a row a case) and timing.json (how long it took).\n"
+      "(a row a case), timing.json (how long it took) and pictures.\n"
       "Exit status: 0 done, 1 a limit was missed, 2 bad input.\n"
       "Example: trials hover --trials 300 --jobs 2 --out result");
   app.require_subcommand(1);
@@ -27,6 +27,7 @@ void declare(CLI::App& app, TrialOptions& options) {
   app.add_option("--jobs", options.jobs, "threads")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
+  app.add_flag("--no-pictures", options.no_pictures, "no PNG files");
   app.add_option("--config", options.config,
                  "YAML with the nodelets' parameters, as config/simulation.yaml; without it the "
                  "defaults, and what the simulated robot needs");
@@ -63,6 +64,9 @@ int run(const Experiment& experiment, const TrialOptions& options) {
   for (const std::string& limit : findings.missed)
     std::printf("limit missed   %s\n", limit.c_str());
   writeTiming(options, findings, took.count());
+  if (!options.no_pictures && !runScript("draw_trials", {options.out})) {
+    throw InputError("the pictures in " + options.out + " could not be drawn");
+  }
   return findings.missed.empty() ? kDone : kLimitMissed;
 }
 

@@ -132,24 +132,14 @@ Json sceneOf(const Options& options, const RobotModel& model) {
   return scene;
 }
 
-/// In quotes for a shell.
-std::string quoted(const std::string& text) {
-  std::string result = "'";
-  for (const char c : text) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return result + "'";
-}
-
 /// @throws InputError where it could not be drawn.
 void draw(const Options& options, const RobotModel& model, const std::string& picture) {
-  const auto script =
-      std::filesystem::read_symlink("/proc/self/exe").parent_path() / "draw_primitives";
   const std::string scene = picture + ".json";
   writeText(scene, sceneOf(options, model).dump());
-  const std::string command = quoted(script.string()) + " " + quoted(scene) + " " + quoted(picture);
-  const int status = std::system(command.c_str());
+  const bool drawn = runScript("draw_primitives", {scene, picture});
   std::error_code ignored;
   std::filesystem::remove(scene, ignored);
-  if (status != 0) throw InputError("the picture " + picture + " could not be drawn");
+  if (!drawn) throw InputError("the picture " + picture + " could not be drawn");
 }
 
 int fit(const Options& options) {

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -10,6 +11,16 @@
 #include "tccm_monitor/ros/resources.h"
 
 namespace tccm {
+namespace {
+
+/// In quotes for a shell.
+std::string quoted(const std::string& text) {
+  std::string result = "'";
+  for (const char c : text) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return result + "'";
+}
+
+}  // namespace
 
 std::string readText(const std::string& path, const std::string& what) {
   std::ifstream file(path, std::ios::binary);
@@ -30,6 +41,14 @@ void makeFolder(const std::string& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);
   if (!std::filesystem::is_directory(path)) throw InputError("cannot make the folder " + path);
+}
+
+bool runScript(const std::string& script, const std::vector<std::string>& arguments) {
+  const auto folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  std::string command = quoted((folder / script).string());
+  for (const std::string& argument : arguments) command += " " + quoted(argument);
+  std::fflush(stdout);
+  return std::system(command.c_str()) == 0;
 }
 
 Progress progressBar() {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "tccm_monitor/robot/robot_model.h"
 
@@ -27,6 +28,10 @@ void writeText(const std::string& path, const std::string& text);
 
 /// Where it is not there yet. @throws InputError
 void makeFolder(const std::string& path);
+
+/// Runs one of the scripts that are installed beside the program. What it prints is printed.
+/// @return whether it succeeded.
+[[nodiscard]] bool runScript(const std::string& script, const std::vector<std::string>& arguments);
 
 /// @param fraction_done from 0 to 1.
 using Progress = std::function<void(double fraction_done)>;

@@ -18,6 +18,7 @@ struct TrialOptions {
   int jobs = 1;        ///< threads
   std::string config;  ///< path of a YAML file with the nodelets' parameters; may be empty
   std::string out;     ///< folder
+  bool no_pictures = false;
 };
 
 /// What an experiment found.

@@ -110,8 +110,9 @@ void HoverTrial::countHeld() {
 
 void HoverTrial::noteVerdict(const Verdict& verdict) {
   if (permitted_ && verdict.stop && goesDown()) result_.stop_left_m = clearanceNow();
+  // Once it stops on its way down: why it did.
+  if (permitted_ || !goesDown()) result_.reason = name(verdict.reason);
   permitted_ = !verdict.stop;
-  result_.reason = name(verdict.reason);
 }
 
 double HoverTrial::clearanceNow() {

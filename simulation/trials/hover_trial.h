@@ -41,7 +41,8 @@ class HoverTrial {
     double gap_m = 0.0;
     double noise_m = 0.0;
     Outcome outcome = Outcome::kUndecided;
-    std::string reason;        ///< of the verdict at the end, or at which it was not started
+    /// Of the verdict that stopped it, at which it was not started, or that permitted the contact.
+    std::string reason;
     double left_m = 0.0;       ///< between hand and object at the end; 0 where it was touched
     double stop_left_m = 0.0;  ///< the same when permission went; 0 where it did not
     std::size_t held_max = 0;  ///< intervals held

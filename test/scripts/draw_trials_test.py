@@ -1,0 +1,50 @@
+"""The pictures of trials."""
+
+import json
+import pathlib
+import sys
+import tempfile
+import unittest
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+from program import load  # noqa: E402
+
+draw_trials = load("draw_trials")
+
+HOVER = """kind,seed,gap_m,outcome,left_m,held_max
+hover,1,0.07,stopped,0.03,100
+hover,2,0.09,touched,0.0,120
+ghost,1,,gone,,50
+"""
+VISIBILITY = """link,counted,true_visible,visible,difference
+palm,1,0.5,0.45,-0.05
+elbow,1,1.0,1.0,0.0
+elbow,0,1.0,0.0,-1.0
+"""
+
+
+class PictureTest(unittest.TestCase):
+    def pictures(self, experiment, rows, settings=None):
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            results = {"experiment": experiment, "settings": settings or {}}
+            (folder / "results.json").write_text(json.dumps(results), encoding="utf-8")
+            (folder / "results.csv").write_text(rows, encoding="utf-8")
+            return [(path.name, path.stat().st_size) for path in draw_trials.draw(folder)]
+
+    def test_every_experiment_has_its_picture(self):
+        for experiment, rows, settings in (("hover", HOVER, {"hold_s": 10.0}),
+                                           ("visibility", VISIBILITY, None)):
+            with self.subTest(experiment):
+                (name, size), = self.pictures(experiment, rows, settings)
+                self.assertEqual(name, experiment + ".png")
+                self.assertGreater(size, 10000)
+
+    def test_where_nothing_was_tried_nothing_is_drawn(self):
+        for experiment, rows in (("hover", HOVER), ("visibility", VISIBILITY)):
+            self.assertEqual(self.pictures(experiment, rows.splitlines()[0]), [])
+
+
+if __name__ == "__main__":
+    unittest.main()
