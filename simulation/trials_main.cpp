@@ -41,6 +41,7 @@ void write(const TrialOptions& options, const std::string& experiment, const Fin
   results["limits_missed"] = findings.missed;
   writeText((folder / "results.json").string(), results.dump(2) + '\n');
   writeText((folder / "results.csv").string(), findings.rows);
+  for (const auto& [name, text] : findings.files) writeText((folder / name).string(), text);
 }
 
 /// How long it took is no result: it differs from run to run.

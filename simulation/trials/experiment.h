@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
@@ -25,9 +26,10 @@ struct TrialOptions {
 struct Findings {
   nlohmann::ordered_json settings;  ///< that differ from run to run
   nlohmann::ordered_json figures;
-  std::string rows;                 ///< CSV, the first line names the columns
-  std::vector<std::string> lines;   ///< for people
-  std::vector<std::string> missed;  ///< limits
+  std::string rows;                          ///< CSV, the first line names the columns
+  std::map<std::string, std::string> files;  ///< others, by name
+  std::vector<std::string> lines;            ///< for people
+  std::vector<std::string> missed;           ///< limits
   double simulated_s = 0.0;
 };
 

@@ -22,20 +22,26 @@ palm,1,0.5,0.45,-0.05
 elbow,1,1.0,1.0,0.0
 elbow,0,1.0,0.0,-1.0
 """
+SPEEDS = """tilt_deg,constant_mps,governed_mps,phase_0_mps,phase_1_mps
+15.0,0.09,0.12,0.1,0.14
+20.0,0.10,0.13,0.11,0.15
+"""
 
 
 class PictureTest(unittest.TestCase):
-    def pictures(self, experiment, rows, settings=None):
+    def pictures(self, experiment, rows, settings=None, speeds=SPEEDS):
         with tempfile.TemporaryDirectory() as name:
             folder = pathlib.Path(name)
             results = {"experiment": experiment, "settings": settings or {}}
             (folder / "results.json").write_text(json.dumps(results), encoding="utf-8")
             (folder / "results.csv").write_text(rows, encoding="utf-8")
+            (folder / "speeds.csv").write_text(speeds, encoding="utf-8")
             return [(path.name, path.stat().st_size) for path in draw_trials.draw(folder)]
 
     def test_every_experiment_has_its_picture(self):
         for experiment, rows, settings in (("hover", HOVER, {"hold_s": 10.0}),
-                                           ("visibility", VISIBILITY, None)):
+                                           ("visibility", VISIBILITY, None),
+                                           ("governed", "seed\n", {"distance_m": 0.15})):
             with self.subTest(experiment):
                 (name, size), = self.pictures(experiment, rows, settings)
                 self.assertEqual(name, experiment + ".png")
@@ -44,6 +50,7 @@ class PictureTest(unittest.TestCase):
     def test_where_nothing_was_tried_nothing_is_drawn(self):
         for experiment, rows in (("hover", HOVER), ("visibility", VISIBILITY)):
             self.assertEqual(self.pictures(experiment, rows.splitlines()[0]), [])
+        self.assertEqual(self.pictures("governed", "seed\n", speeds=SPEEDS.splitlines()[0]), [])
 
 
 if __name__ == "__main__":

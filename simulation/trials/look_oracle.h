@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "simulation/simulator.h"
+#include "tccm_monitor/geometry/ray.h"
+#include "tccm_monitor/scan/laser_scan.h"
+
+namespace tccm::simulation {
+
+/// Knows every beam of a run, and where the robot was: says when a place was really looked at.
+class LookOracle {
+ public:
+  struct Config {
+    double angle_rad = 0.0261799;  ///< a beam this near to a place looks at it: 1.5 degrees
+
+    /// @throws ConfigError
+    void validate() const;
+  };
+
+  /// @throws ConfigError
+  LookOracle(const Config& config, std::shared_ptr<const RobotModel> model);
+
+  /// @param sample later than the last one.
+  void add(const RobotSample& sample);
+  /// @param mapped when the scan was in the map and judged, not before its last beam; scans come in
+  /// their order.
+  void add(const LaserScan& scan, Time mapped);
+
+  struct Look {
+    Time beam;    ///< when it was measured
+    Time mapped;  ///< when its scan was in the map
+  };
+  /// The first beam after an instant that passes the place, and that the robot itself does not stop
+  /// before. Nothing where there is none in what was added so far.
+  [[nodiscard]] std::optional<Look> firstLook(Time after, const Vector3& p_fixed) const;
+
+ private:
+  struct Scan {
+    Time stamp;
+    double angle_min, angle_increment;  ///< [rad]
+    Duration time_increment;
+    std::size_t beams;
+    Time mapped;
+  };
+  struct Frame {
+    Time stamp;
+    Body body;
+  };
+  [[nodiscard]] std::optional<Time> beamAt(const Scan& scan, const Vector3& p_fixed) const;
+  [[nodiscard]] std::optional<double> azimuthAt(Time stamp, const Vector3& p_fixed) const;
+  [[nodiscard]] bool passes(const Scan& scan, std::size_t beam, const Vector3& p_fixed) const;
+  [[nodiscard]] bool robotStops(Time stamp, const Vector3& p_fixed) const;
+
+  Config config_;
+  std::shared_ptr<const RobotModel> model_;
+  std::size_t sensor_;  ///< link
+  PosePath T_fixed_sensor_;
+  std::vector<Scan> scans_;
+  std::vector<Frame> frames_;
+};
+
+}  // namespace tccm::simulation
