@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "tccm_monitor/ros/settings.h"
 #include "tools/program.h"
 
 namespace tccm::simulation {
@@ -45,8 +46,9 @@ struct Experiment {
 [[nodiscard]] Experiment visibilityExperiment(CLI::App& app);
 
 /// The seed of a trial: those of one run differ by one, those of different runs by more.
-[[nodiscard]] inline std::uint64_t seedOf(const TrialOptions& options, std::size_t trial) {
-  return 1000003 * options.seed + trial;
-}
+[[nodiscard]] std::uint64_t seedOf(const TrialOptions& options, std::size_t trial);
+
+/// As configured, but without what no verdict rests on. @throws ConfigError
+[[nodiscard]] MonitorSettings trialSettings(const TrialOptions& options);
 
 }  // namespace tccm::simulation

@@ -109,7 +109,7 @@ void GhostTrial::Config::validate() const {
   requireInRange("deadline_tilt_periods", deadline_tilt_periods, 0.0, 100.0);
 }
 
-GhostTrial::GhostTrial(const Config& config, Model model, std::uint64_t seed)
+GhostTrial::GhostTrial(const Config& config, const Model& model, std::uint64_t seed)
     : config_(config),
       setting_(settingOf(config, model, seed)),
       hand_(bodyOf(handOf(setting_))),

@@ -39,7 +39,8 @@ class GhostTrial {
   };
 
   /// @throws ConfigError
-  GhostTrial(const Config& config, std::shared_ptr<const RobotModel> model, std::uint64_t seed);
+  GhostTrial(const Config& config, const std::shared_ptr<const RobotModel>& model,
+             std::uint64_t seed);
 
   /// The same for the same seed.
   [[nodiscard]] Result run();

@@ -49,7 +49,7 @@ void GovernedTrial::Config::validate() const {
   requireInRange("distance_m", distance_m, 0.01, 10.0);
 }
 
-GovernedTrial::GovernedTrial(const Config& config, std::shared_ptr<const RobotModel> model,
+GovernedTrial::GovernedTrial(const Config& config, const std::shared_ptr<const RobotModel>& model,
                              std::uint64_t seed)
     : config_(validated(config)),
       simulation_(settingOf(config_, model, seed), config_.monitor, model),

@@ -50,7 +50,8 @@ class GovernedTrial {
   };
 
   /// @param model what the monitor takes the robot for. @throws ConfigError
-  GovernedTrial(const Config& config, std::shared_ptr<const RobotModel> model, std::uint64_t seed);
+  GovernedTrial(const Config& config, const std::shared_ptr<const RobotModel>& model,
+                std::uint64_t seed);
 
   /// The same for the same seed.
   [[nodiscard]] Result run();

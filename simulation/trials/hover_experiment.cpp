@@ -4,7 +4,6 @@
 #include <optional>
 
 #include "simulation/robot/dual_arm.h"
-#include "simulation/simulated_settings.h"
 #include "simulation/trials/csv.h"
 #include "simulation/trials/experiment.h"
 #include "simulation/trials/ghost_trial.h"
@@ -154,7 +153,7 @@ void add(const std::vector<GhostTrial::Result>& results, double noise_m, Finding
 }
 
 Findings runHovers(HoverOptions options, const TrialOptions& common, const Progress& progress) {
-  MonitorSettings settings = simulatedSettings(common.config);
+  MonitorSettings settings = trialSettings(common);
   if (options.hold_s) settings.mapper.mapper.hold_s = *options.hold_s;
   options.trial.monitor = settings.monitorConfig();
   options.trial.validate();

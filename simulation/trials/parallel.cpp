@@ -69,6 +69,7 @@ void inParallel(std::size_t count, int threads, const std::function<void(std::si
                 const std::function<void(double)>& progress) {
   Queue queue(count, work);
   std::vector<std::thread> workers;
+  workers.reserve(static_cast<std::size_t>(threads));
   for (int i = 0; i < threads; ++i) workers.emplace_back([&queue] { queue.drain(); });
   queue.watch(progress);
   for (std::thread& worker : workers) worker.join();

@@ -53,7 +53,7 @@ void PlaceSpeeds::Config::validate() const {
   requireInRange("phases", static_cast<double>(phases), 1.0, 1000.0);
 }
 
-PlaceSpeeds::PlaceSpeeds(const Config& config, std::shared_ptr<const RobotModel> model,
+PlaceSpeeds::PlaceSpeeds(const Config& config, const std::shared_ptr<const RobotModel>& model,
                          double tilt_rad, std::uint64_t seed)
     : config_(config),
       simulation_(settingOf(config, model, tilt_rad, seed), config.monitor, model),

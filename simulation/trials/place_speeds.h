@@ -33,7 +33,7 @@ class PlaceSpeeds {
   /// @param model what the monitor takes the robot for.
   /// @param tilt_rad above 0, below a right angle: the laser looks ahead and down.
   /// @throws ConfigError, also where the hand cannot be there.
-  PlaceSpeeds(const Config& config, std::shared_ptr<const RobotModel> model, double tilt_rad,
+  PlaceSpeeds(const Config& config, const std::shared_ptr<const RobotModel>& model, double tilt_rad,
               std::uint64_t seed);
 
   [[nodiscard]] Result run();

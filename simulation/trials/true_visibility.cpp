@@ -106,10 +106,13 @@ std::vector<TrueLinkVisibility> TrueVisibility::find(
   const Targets obstacles(scene, viewpoint);
   std::vector<Sum> sums = emptySums(link_of_shape);
   const auto [lowest, highest] = robot.elevations();
-  for (double e = lowest; e <= highest; e += config_.resolution_rad) {
+  const int rows = static_cast<int>((highest - lowest) / config_.resolution_rad) + 1;
+  for (int row = 0; row < rows; ++row) {
+    const double e = lowest + row * config_.resolution_rad;
     const double step = config_.resolution_rad / std::max(0.01, std::cos(e));
-    for (double a = -M_PI; a < M_PI; a += step) {
-      const Ray ray{viewpoint, directionOf(a, e)};
+    const int columns = static_cast<int>(2.0 * M_PI / step) + 1;
+    for (int column = 0; column < columns; ++column) {
+      const Ray ray{viewpoint, directionOf(column * step - M_PI, e)};
       const auto hit = robot.nearest(ray);
       if (!hit) continue;
       const std::uint32_t link = link_of_shape[hit->shape];

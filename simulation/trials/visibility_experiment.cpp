@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "simulation/robot/dual_arm.h"
-#include "simulation/simulated_settings.h"
 #include "simulation/trials/csv.h"
 #include "simulation/trials/experiment.h"
 #include "simulation/trials/parallel.h"
@@ -148,7 +147,7 @@ void add(const std::vector<VisibilityTrial::Result>& trials, const VisibilityOpt
 
 Findings runVisibility(VisibilityOptions options, const TrialOptions& common,
                        const Progress& progress) {
-  const MonitorSettings settings = simulatedSettings(common.config);
+  const MonitorSettings settings = trialSettings(common);
   options.trial.monitor = settings.monitorConfig();
   options.trial.robot = visibilityRobot(options.robot);
   options.trial.validate();
