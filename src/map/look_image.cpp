@@ -50,6 +50,29 @@ LookImage::Sight LookImage::at(std::size_t pixel, double range_m, double margin_
   return sight;
 }
 
+bool LookImage::reachedSince(Time since, std::size_t pixel, double range_m) const {
+  const Passes& passes = passes_[pixel];
+  return std::any_of(passes.begin(), passes.end(), [&](const Pass& pass) {
+    const bool is_clear = pass.end != End::kNever && pass.end != End::kUnclear;
+    return is_clear && timeOf(pass.first) > since && pass.range() >= range_m;
+  });
+}
+
+bool LookImage::inViewSince(Time since, const Vector3& p_fixed, double margin_m) const {
+  const Vector3 sight = p_fixed - viewpoint_;
+  const double range = sight.norm();
+  if (!(range > kNearest)) return false;
+  const auto pixel = static_cast<int>(grid_.pixelOf(sight));
+  const int row = grid_.rowOfPixel(static_cast<std::size_t>(pixel));
+  const int column = pixel - row * grid_.columns();
+  if (row <= row_begin_ || row + 1 >= row_end_) return false;
+  const auto reached = [&](int r, int c) {
+    return reachedSince(since, grid_.index(r, grid_.wrapped(c)), range - margin_m);
+  };
+  return reached(row, column) && reached(row, column - 1) && reached(row, column + 1) &&
+         reached(row - 1, column) && reached(row + 1, column);
+}
+
 Time LookImage::lookedAround(const Vector3& p_fixed, double angle) const {
   const auto pixel = static_cast<int>(grid_.pixelOf(p_fixed - viewpoint_));
   const int middle_row = grid_.rowOfPixel(static_cast<std::size_t>(pixel));

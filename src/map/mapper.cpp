@@ -109,16 +109,18 @@ void Mapper::expire() {
 
 /// What the robot hides is no less there for having left the window.
 void Mapper::expireOldest() {
+  const Time seen = map_.oldestStamp();
   const auto& leaving = map_.expireOldest();
   if (config_.hold_s <= 0.0) return;
   for (const IntegrationMap::Leaving& interval : leaving) {
     const Vector3& viewpoint = viewpointOf(interval.serial);
-    if (newest_looks_.sawSince(interval.serial, placeOf(interval.cell, interval.heights), viewpoint,
-                               config_.hold_look_short_m)) {
+    const Vector3 place = placeOf(interval.cell, interval.heights);
+    if (newest_looks_.sawSince(interval.serial, place, viewpoint, config_.hold_look_short_m) ||
+        looks_.image().inViewSince(seen, place, config_.hold_look_short_m)) {
       continue;
     }
     const bool fits = held_.hold({interval.cell, interval.heights, interval.points, interval.serial,
-                                  interval.born, *newest_});
+                                  interval.born, seen, *newest_});
     if (!fits) lost_serial_ = map_.serial();
   }
 }
@@ -134,9 +136,10 @@ void Mapper::release(const ScanReturns& scan) {
   }
   const Duration longest = fromSeconds(config_.hold_s);
   held_.releaseIf([&](const HeldLayer::Interval& held) {
+    const Vector3 place = placeOf(held.cell, held.heights);
     return scan.stamp - held.since > longest ||
-           newest_looks_.sawLast(placeOf(held.cell, held.heights), scan.viewpoint,
-                                 config_.hold_look_short_m);
+           newest_looks_.sawLast(place, scan.viewpoint, config_.hold_look_short_m) ||
+           looks_.image().inViewSince(held.seen, place, config_.hold_look_short_m);
   });
 }
 

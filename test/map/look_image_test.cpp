@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
@@ -66,6 +68,37 @@ TEST(LookImageTest, BehindTheRobotThePassBeforeCounts) {
 TEST(LookImageTest, BehindANewSurfaceItDoesNotCountWhatWasSeenBefore) {
   const LookImage image = ahead({3000, 3000, 400, End::kSurface}, {1000, 1000, 900, End::kNothing});
   EXPECT_EQ(image.at(placeAhead(0.7), 0.0).kind, Kind::kBehind);
+}
+
+/// Straight ahead and in the directions around it one pass, which ends so far away.
+LookImage around(const LookImage::Pass& pass, int row_by = 0, int column_by = 0,
+                 const LookImage::Pass& other = {}) {
+  LookImage image;
+  image.begin(kEpoch, kViewpoint);
+  const auto pixel = static_cast<int>(image.grid().pixelOf(kAhead));
+  const int row = image.grid().rowOfPixel(static_cast<std::size_t>(pixel));
+  const int column = pixel - row * image.grid().columns();
+  for (int r = row - 2; r <= row + 2; ++r) {
+    for (int c = column - 2; c <= column + 2; ++c) image.edit(r, c)[0] = pass;
+  }
+  if (row_by != 0 || column_by != 0) image.edit(row + row_by, column + column_by)[0] = other;
+  return image;
+}
+
+TEST(LookImageTest, APlaceIsInViewOnceItsDirectionAndThoseAroundItReachAsFar) {
+  const LookImage::Pass far{2000, 2100, 900, End::kNothing};
+  EXPECT_TRUE(around(far).inViewSince(at(101.9), placeAhead(0.8), 0.0));
+  EXPECT_TRUE(around(far).inViewSince(at(101.9), placeAhead(0.94), 0.05));
+  EXPECT_FALSE(around(far).inViewSince(at(101.9), placeAhead(1.0), 0.05)) << "not as far";
+  EXPECT_FALSE(around(far).inViewSince(at(102.05), placeAhead(0.8), 0.0)) << "the pass goes on";
+  for (const auto& [row, column] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+    const LookImage::Pass robot{2000, 2100, 400, End::kRobot},
+        unclear{2000, 2100, 900, End::kUnclear};
+    for (const auto& other : {robot, unclear, LookImage::Pass{}}) {
+      EXPECT_FALSE(around(far, row, column, other).inViewSince(at(101.9), placeAhead(0.8), 0.0));
+    }
+  }
+  EXPECT_FALSE(LookImage().inViewSince(at(0.0), placeAhead(0.8), 0.0));
 }
 
 TEST(LookImageTest, ACopyAnswersAsTheOriginalAndForgetsWhatItWas) {

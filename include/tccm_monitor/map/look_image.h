@@ -55,8 +55,8 @@ class LookImage {
     };
     Kind kind = Kind::kNeverLooked;
     Time stamp = {};  ///< the newest look that the kind rests on; the epoch where there was none
-    /// The newest look in that direction, however far it saw; nothing where the sensor, as it stands,
-    /// has not looked more than once.
+    /// The newest look in that direction, however far it saw; nothing where the sensor, as it
+    /// stands, has not looked more than once.
     std::optional<Time> looked = std::nullopt;
   };
   /// @param margin_m a look that ended this much before the place saw it all the same.
@@ -64,6 +64,9 @@ class LookImage {
   /// The same in the middle of a pixel, at a distance from the viewpoint.
   [[nodiscard]] Sight at(std::size_t pixel, double range_m, double margin_m) const;
 
+  /// Whether in the place's direction and in those beside, above and below it passes that began
+  /// after `since` reached as far as the place: then it is in view.
+  [[nodiscard]] bool inViewSince(Time since, const Vector3& p_fixed, double margin_m) const;
   /// The newest look in a direction within an angle [rad] of the place's; the epoch where there was
   /// none.
   [[nodiscard]] Time lookedAround(const Vector3& p_fixed, double angle) const;
@@ -98,6 +101,8 @@ class LookImage {
   [[nodiscard]] std::size_t memoryBytes() const { return passes_.capacity() * sizeof(Passes); }
 
  private:
+  [[nodiscard]] bool reachedSince(Time since, std::size_t pixel, double range_m) const;
+
   DirectionGrid grid_;
   std::vector<Passes> passes_;
   Time epoch_;
