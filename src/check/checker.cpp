@@ -90,6 +90,7 @@ void Checker::forgetFindings() {
   verdict_.ahead = {};
   verdict_.first_contact.reset();
   verdict_.clearances.clear();
+  verdict_.unseen_fraction = 0.0;
   verdict_.placed = verdict_.collision = verdict_.occlusion = false;
 }
 

@@ -128,21 +128,25 @@ void EvidenceCheck::lookAlong(const Question& question, const Shape& shape, cons
 
 void EvidenceCheck::lookAt(const Question& question, const Vector3& p_fixed, double new_volume,
                            Tally& tally) {
-  const LookImage::Sight sight = question.map.looks.at(p_fixed, config_.margin_m);
+  const LookImage& looks = question.map.looks;
+  const LookImage::Sight sight = looks.at(p_fixed, config_.margin_m);
+  std::optional<Time> looked = sight.looked;
   const bool ages_matter = question.old > Duration::zero();  // else no period is known yet
-  if (sight.looked && ages_matter) {
-    Duration age = question.now - *sight.looked;
+  if (looked && ages_matter) {
     // At the edges of where the sensor looks a direction may be passed by a little.
-    if (age > question.old) {
-      age = question.now - question.map.looks.lookedAround(p_fixed, kAround);
-    }
+    if (question.now - *looked > question.old) looked = looks.lookedAround(p_fixed, kAround);
+    const Duration age = question.now - *looked;
     tally.looked_at += 1.0;
     tally.old += age > question.old ? 1.0 : 0.0;
     tally.lost += age > question.lost ? 1.0 : 0.0;
   }
-  const bool is_fresh = question.now - sight.stamp <= question.old || !ages_matter;
-  const bool is_known = sight.kind == Kind::kSeen && is_fresh;
-  if (is_known && (!tally.oldest || sight.stamp < *tally.oldest)) tally.oldest = sight.stamp;
+  const bool is_seen = sight.kind == Kind::kSeen;
+  const bool is_known = is_seen && (question.now - sight.stamp <= question.old || !ages_matter);
+  // Where the sensor used to look, what was seen goes on growing old when it is too old to count.
+  if (is_known || (is_seen && looked)) {
+    const Time stamp = is_known ? sight.stamp : std::max(sight.stamp, *looked);
+    tally.oldest = std::min(tally.oldest.value_or(stamp), stamp);
+  }
   tally.new_volume += new_volume;
   if (is_known || new_volume <= 0.0) return;
   tally.unseen_volume += new_volume;
@@ -159,7 +163,8 @@ void EvidenceCheck::sumUp(const Question& question, const Body& end_body) {
     link.unseen_fraction = share(tally.unseen_volume, tally.new_volume);
     link.old_fraction = share(tally.old, tally.looked_at);
     link.lost_fraction = share(tally.lost, tally.looked_at);
-    link.age_s = tally.oldest ? toSeconds(question.now - *tally.oldest) : 0.0;
+    link.age_s.reset();
+    if (tally.oldest) link.age_s = toSeconds(question.now - *tally.oldest);
     const Vector3 end = end_body.poses[end_shape_of_slot_[slot]].translation();
     const auto next = question.map.looks.nextLook(end, config_.margin_m, question.now,
                                                   question.map.look_period, late_max);

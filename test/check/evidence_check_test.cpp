@@ -64,7 +64,7 @@ TEST_F(EvidenceCheckTest, WhatWasLookedAtJustNowIsSeen) {
     EXPECT_EQ(link.old_fraction, 0.0);
     EXPECT_EQ(link.lost_fraction, 0.0);
   }
-  EXPECT_NEAR(found.links[0].age_s, 0.0, 1e-9);
+  EXPECT_NEAR(found.links[0].age_s.value_or(-1.0), 0.0, 1e-9);
   EXPECT_TRUE(check_.unseenPlaces().empty());
 }
 
@@ -104,11 +104,23 @@ TEST_F(EvidenceCheckTest, AShareOfTheDirectionsMakesAShareOfTheVolume) {
 TEST_F(EvidenceCheckTest, EvidenceGrowsOldAndThenTooOld) {
   const auto& fresh = find(10.5 + 1.49 * kPeriod, 0.0);
   EXPECT_EQ(fresh.links[0].old_fraction, 0.0);
-  EXPECT_NEAR(fresh.links[0].age_s, 1.49, 1e-9);
+  EXPECT_NEAR(fresh.links[0].age_s.value_or(-1.0), 1.49, 1e-9);
   const auto& old = find(10.5 + 1.51 * kPeriod, 0.0);
   EXPECT_EQ(old.links[0].old_fraction, 1.0);
   EXPECT_EQ(old.links[0].lost_fraction, 0.0);
   EXPECT_EQ(find(10.5 + 2.51 * kPeriod, 0.0).links[0].lost_fraction, 1.0);
+}
+
+TEST_F(EvidenceCheckTest, TheAgeGoesOnGrowingUntilThePlaceIsLookedAtAgain) {
+  EXPECT_NEAR(find(10.5 + 9.0 * kPeriod, 0.0).links[0].age_s.value_or(-1.0), 9.0, 1e-9);
+}
+
+TEST_F(EvidenceCheckTest, WhatWasNeverSeenHasNoAge) {
+  lookEverywhere({});
+  EXPECT_FALSE(find(10.5, 0.0).links[0].age_s);
+  const LookImage::Pass before{500, 500, 100, LookImage::End::kSurface};
+  lookEverywhere({before, before});
+  EXPECT_FALSE(find(10.5, 0.0).links[0].age_s) << "something stood before it";
 }
 
 TEST_F(EvidenceCheckTest, WhatIsTooOldWasNotSeen) {

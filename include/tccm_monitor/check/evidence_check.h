@@ -19,9 +19,10 @@ struct LinkEvidence {
   double unseen_fraction = 0.0;  ///< of that: never seen, or hidden when it was looked at last
   double old_fraction = 0.0;     ///< of its way, now included: not looked at for slow_periods
   double lost_fraction = 0.0;    ///< the same for stop_periods
-  double age_s = 0.0;            ///< of the oldest evidence for what was seen of its way
-  std::optional<double>
-      next_look_s;  ///< until its way's end is looked at next; nothing: none is due
+  /// Of the oldest evidence for what was seen of its way; nothing where nothing of it was.
+  std::optional<double> age_s;
+  /// Until its way's end is looked at next; nothing: none is due.
+  std::optional<double> next_look_s;
 };
 
 /// What is known of the way ahead, by place: a scan may be fresh and say nothing of the space that

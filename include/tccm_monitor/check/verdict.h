@@ -127,7 +127,8 @@ struct Verdict {
   double way_us = 0.0;                         ///< wall time that the ways took
   std::vector<LinkClearance> clearances = {};  ///< of the links with collision primitives
   double clearance_us = 0.0;
-  double unseen_fraction = 0.0;  ///< of all that the links go through until the horizon
+  /// Of all that the links go through until the horizon; 0 where nothing was placed.
+  double unseen_fraction = 0.0;
   double evidence_us = 0.0;
   /// Of the commanded speed: at more something that appears ahead would be seen too late; 1 where
   /// that limits nothing.
