@@ -14,32 +14,53 @@ using tccm_monitor::MonitorStatus;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-void addLinks(const PoseFindings& findings, const std::vector<LinkClearance>& clearances,
-              bool ahead, const Checker& checker, MonitorStatus& message) {
+constexpr float kNotKnown = std::numeric_limits<float>::quiet_NaN();
+
+/// The message's entry of a link, a new one where there is none yet.
+LinkStatus& entryOf(const std::string& link, bool ahead, MonitorStatus& message) {
+  for (LinkStatus& entry : message.links) {
+    if (entry.link == link && (entry.ahead != 0) == ahead) return entry;
+  }
+  LinkStatus& entry = message.links.emplace_back();
+  entry.link = link;
+  entry.ahead = ahead;
+  entry.visible_fraction = 1.0F;
+  entry.way_unseen_fraction = entry.evidence_age = entry.next_look = kNotKnown;
+  entry.clearance = kInfinity;
+  return entry;
+}
+
+void addLinks(const PoseFindings& findings, bool ahead, const Checker& checker,
+              MonitorStatus& message) {
   const RobotModel& model = checker.model();
-  const std::size_t first = message.links.size();
-  const auto entryOf = [&](const std::string& link) -> LinkStatus& {
-    for (std::size_t i = first; i < message.links.size(); ++i) {
-      if (message.links[i].link == link) return message.links[i];
-    }
-    message.links.emplace_back();
-    message.links.back().link = link;
-    message.links.back().ahead = ahead;
-    message.links.back().visible_fraction = 1.0F;
-    message.links.back().clearance = kInfinity;
-    return message.links.back();
-  };
   for (const LinkVisibility& visibility : findings.links) {
-    LinkStatus& entry = entryOf(model.links()[visibility.link]);
+    LinkStatus& entry = entryOf(model.links()[visibility.link], ahead, message);
     entry.visible_fraction = static_cast<float>(visibility.visible_fraction);
+    entry.occluded_fraction = static_cast<float>(visibility.occluded_fraction);
+    entry.unseen_fraction = static_cast<float>(visibility.unseen_fraction);
     entry.occlusion = checker.poseCheckNow().isOccluded(visibility);
   }
   for (const Contact& contact : findings.contacts) {
-    entryOf(model.linkOf(contact.shape)).collision = true;
+    entryOf(model.linkOf(contact.shape), ahead, message).collision = true;
   }
+}
+
+void addClearances(const std::vector<LinkClearance>& clearances, const RobotModel& model,
+                   MonitorStatus& message) {
   for (const LinkClearance& clearance : clearances) {
     if (clearance.distance_m == std::numeric_limits<double>::infinity()) continue;
-    entryOf(model.links()[clearance.link]).clearance = static_cast<float>(clearance.distance_m);
+    entryOf(model.links()[clearance.link], false, message).clearance =
+        static_cast<float>(clearance.distance_m);
+  }
+}
+
+void addEvidence(const EvidenceCheck::Findings& findings, const RobotModel& model,
+                 MonitorStatus& message) {
+  for (const LinkEvidence& link : findings.links) {
+    LinkStatus& entry = entryOf(model.links()[link.link], false, message);
+    entry.way_unseen_fraction = static_cast<float>(link.unseen_fraction);
+    entry.evidence_age = link.age_s ? static_cast<float>(*link.age_s) : kNotKnown;
+    entry.next_look = link.next_look_s ? static_cast<float>(*link.next_look_s) : kInfinity;
   }
 }
 
@@ -56,19 +77,7 @@ void addFlags(const PoseFindings& findings, const CuboidMap& map, MonitorStatus&
 void addContactLink(const Verdict& verdict, const Checker& checker, MonitorStatus& message) {
   if (!verdict.first_contact || verdict.first_contact->by_margin || verdict.now.collision) return;
   const std::string& name = checker.model().linkOf(verdict.first_contact->contact.shape);
-  const auto found =
-      std::find_if(message.links.begin(), message.links.end(),
-                   [&name](const LinkStatus& entry) { return entry.ahead && entry.link == name; });
-  if (found != message.links.end()) {
-    found->collision = true;
-    return;
-  }
-  LinkStatus entry;
-  entry.link = name;
-  entry.ahead = entry.collision = true;
-  entry.visible_fraction = 1.0F;
-  entry.clearance = kInfinity;
-  message.links.push_back(entry);
+  entryOf(name, true, message).collision = true;
 }
 
 void addContact(const Verdict& verdict, const Checker& checker, MonitorStatus& message) {
@@ -80,6 +89,11 @@ void addContact(const Verdict& verdict, const Checker& checker, MonitorStatus& m
   message.contact_cuboid =
       toFlag(*checker.map(), first.contact.cuboid, tccm_monitor::Cuboid::COLLISION);
   if (!first.by_margin) message.flagged.push_back(message.contact_cuboid);
+}
+
+std::uint32_t heldIn(const CuboidMap& map) {
+  return static_cast<std::uint32_t>(std::count_if(map.cuboids.begin(), map.cuboids.end(),
+                                                  [](const Cuboid& c) { return c.held; }));
 }
 
 std::vector<std::string> namesOf(const Verdict& verdict) {
@@ -117,6 +131,8 @@ void toMessage(const Verdict& verdict, const Checker& checker,
   message.serial = verdict.serial;
   message.joints_stamp = toRos(verdict.joints_stamp);
   message.follows_trajectory = verdict.follows_trajectory;
+  message.unseen_fraction =
+      verdict.placed ? static_cast<float>(verdict.unseen_fraction) : kNotKnown;
   message.exemptions.clear();
   for (const Exemption& exemption : checker.exemptions().list()) {
     message.exemptions.emplace_back();
@@ -131,8 +147,10 @@ void toMessage(const Verdict& verdict, const Checker& checker,
   }
   message.links.clear();
   message.flagged.clear();
-  addLinks(verdict.now, verdict.clearances, false, checker, message);
-  addLinks(verdict.ahead, {}, true, checker, message);
+  addLinks(verdict.now, false, checker, message);
+  addClearances(verdict.clearances, checker.model(), message);
+  if (verdict.placed) addEvidence(checker.evidence().findings(), checker.model(), message);
+  addLinks(verdict.ahead, true, checker, message);
   addContactLink(verdict, checker, message);
   message.time_to_contact_s = message.distance_to_contact_m =
       std::numeric_limits<double>::infinity();
@@ -140,6 +158,7 @@ void toMessage(const Verdict& verdict, const Checker& checker,
   const CuboidMap* map = checker.map();
   message.map_stamp = map ? toRos(map->stamp) : ros::Time();
   message.cuboids = map ? static_cast<std::uint32_t>(map->cuboids.size()) : 0;
+  message.held = map ? heldIn(*map) : 0;
   message.window_scans = map ? map->window_scans : 0;
   if (!map) return;
   addContact(verdict, checker, message);

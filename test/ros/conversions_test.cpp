@@ -7,8 +7,6 @@
 
 #include "support/cuboid_scene.h"
 #include "support/random.h"
-#include "support/tiny_robot.h"
-#include "tccm_monitor/ros/status_conversions.h"
 
 namespace tccm {
 namespace {
@@ -186,114 +184,6 @@ TEST_F(DefectiveMapTest, AThicknessThatIsNoneIsRefused) {
 TEST_F(DefectiveMapTest, AViewpointThatIsNotFiniteIsRefused) {
   message_.viewpoint.z = kNaN;
   EXPECT_NE(defect(), "");
-}
-
-class VerdictConversionTest : public ::testing::Test {
- protected:
-  VerdictConversionTest() : checker_(test::sliderModel(), {}) {}
-
-  /// The verdict on a map, for hands at x and 0.3 m beside it.
-  const Verdict& judge(const CuboidMap& map, double x, double velocity) {
-    checker_.startAnew();
-    const Time now = map.stamp + fromSeconds(0.01);
-    checker_.setRootPose(0, Time(), Pose::Identity(), true);
-    for (const double before : {0.04, 0.0}) {
-      checker_.addJoints(now, now - fromSeconds(before), {"slide", "glide"},
-                         {x - before * velocity, 0.3}, {velocity, 0.0});
-    }
-    checker_.setMap(now, std::make_shared<const CuboidMap>(map));
-    return checker_.check(now);
-  }
-  tccm_monitor::MonitorStatus statusOf(const Verdict& verdict) {
-    tccm_monitor::MonitorStatus status;
-    toMessage(verdict, checker_, status);
-    return status;
-  }
-
-  Checker checker_;
-};
-
-TEST_F(VerdictConversionTest, AClearVerdictIsOK) {
-  CuboidMap map = test::emptyMap();
-  map.stamp = at(100.0);
-  map.viewpoint = Vector3(0.0, 0.0, 2.0);
-  const auto status = statusOf(judge(map, 0.2, 0.0));
-  EXPECT_EQ(status.level, tccm_monitor::MonitorStatus::OK);
-  EXPECT_EQ(status.reason, "CLEAR");
-  EXPECT_EQ(status.detail, "");
-  EXPECT_TRUE(status.known);
-  EXPECT_FALSE(status.stop || status.collision || status.occlusion);
-  EXPECT_EQ(status.serial, 1U);
-  EXPECT_EQ(toTime(status.map_stamp), map.stamp);
-  EXPECT_EQ(toTime(status.joints_stamp), map.stamp + fromSeconds(0.01));
-  EXPECT_EQ(toTime(status.header.stamp), map.stamp + fromSeconds(0.01));
-  EXPECT_TRUE(status.flagged.empty());
-}
-
-TEST_F(VerdictConversionTest, ACollisionNamesLinkAndCuboid) {
-  CuboidMap map = test::emptyMap();
-  map.stamp = at(100.0);
-  map.viewpoint = Vector3(0.0, 0.0, 2.0);
-  const CellIndex cell = *map.grid.cellOf(Vector3(0.5, 0.01, 0.5));
-  test::addCuboid(map, cell, 0.45, 0.55);
-  const auto status = statusOf(judge(map, 0.5, 0.0));
-  EXPECT_EQ(status.level, tccm_monitor::MonitorStatus::STOP);
-  EXPECT_EQ(status.reason, "COLLISION");
-  EXPECT_EQ(status.link, "hand");
-  EXPECT_TRUE(status.stop && status.collision && status.known);
-  ASSERT_GE(status.flagged.size(), 1U);
-  EXPECT_EQ(status.flagged[0].cell, cell);
-  EXPECT_FLOAT_EQ(status.flagged[0].bottom, 0.45F);
-  EXPECT_FLOAT_EQ(status.flagged[0].top, 0.55F);
-  EXPECT_EQ(status.flagged[0].col, tccm_monitor::Cuboid::COLLISION);
-  ASSERT_GE(status.links.size(), 1U);
-  for (const auto& link : status.links) EXPECT_EQ(link.collision, link.link == "hand");
-}
-
-TEST_F(VerdictConversionTest, ACollisionAheadIsSaidOfThePoseAheadAlone) {
-  CuboidMap map = test::emptyMap();
-  map.stamp = at(100.0);
-  map.viewpoint = Vector3(0.0, 0.0, 2.0);
-  test::addCuboid(map, *map.grid.cellOf(Vector3(0.5, 0.01, 0.5)), 0.45, 0.55);
-  const auto status = statusOf(judge(map, 0.25, 0.5));
-  EXPECT_EQ(status.reason, "COLLISION_AHEAD");
-  for (const auto& link : status.links) {
-    EXPECT_EQ(link.collision, link.ahead && link.link == "hand");
-  }
-}
-
-TEST_F(VerdictConversionTest, WithoutAMapTheStatusSaysSo) {
-  tccm_monitor::MonitorStatus status = statusOf(checker_.check(at(100.0)));
-  EXPECT_TRUE(status.stop);
-  EXPECT_FALSE(status.known);
-  EXPECT_EQ(status.reason, "INIT");
-  EXPECT_TRUE(status.map_stamp.isZero());
-  status = statusOf(checker_.check(at(101.0)));
-  EXPECT_EQ(status.level, tccm_monitor::MonitorStatus::FAULT);
-}
-
-TEST_F(VerdictConversionTest, AMapThatWentThroughAMessageGivesTheVeryVerdict) {
-  test::Random random(2);
-  std::size_t collisions = 0, occlusions = 0;
-  for (int i = 0; i < 300; ++i) {
-    const Grid::Config grid{random.uniform(-0.1, 0.2), -0.3, 0.8, 1.0, 0.0, 2.0, 0.02, 0.001};
-    CuboidMap map = test::randomMap(random, grid, random.uniform(0.0, 0.2));
-    map.stamp = at(100.0 + i);
-    map.viewpoint = Vector3(random.uniform(-0.5, 0.0), random.uniform(-0.5, 0.5), 1.5);
-    tccm_monitor::CuboidMap message;
-    toMessage(map, "base", message);
-    CuboidMap back;
-    ASSERT_EQ(fromMessage(message, back), "");
-    const double x = random.uniform(-0.3, 0.9), velocity = random.uniform(-0.5, 0.5);
-    const auto direct = statusOf(judge(map, x, velocity));
-    const auto through = statusOf(judge(back, x, velocity));
-    ASSERT_EQ(direct, through);
-    collisions += direct.collision ? 1 : 0;
-    occlusions += direct.occlusion ? 1 : 0;
-  }
-  EXPECT_GT(collisions, 20U);
-  EXPECT_GT(occlusions, 20U);
-  EXPECT_LT(collisions, 300U);
 }
 
 }  // namespace
