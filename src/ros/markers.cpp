@@ -30,8 +30,10 @@ ColorRGBA shaded(const ColorRGBA& c, float brightness) {
 }
 
 ColorRGBA colorOf(const tccm_monitor::Cuboid& cuboid, int static_windows) {
-  if (cuboid.col == tccm_monitor::Cuboid::COLLISION) return color(1.0F, 0.0F, 0.8F);
-  if (cuboid.col == tccm_monitor::Cuboid::OCCLUSION) return color(0.2F, 0.4F, 1.0F);
+  const float alpha = cuboid.held ? 0.55F : 1.0F;
+  if (cuboid.col == tccm_monitor::Cuboid::COLLISION) return color(1.0F, 0.0F, 0.8F, alpha);
+  if (cuboid.col == tccm_monitor::Cuboid::OCCLUSION) return color(0.2F, 0.4F, 1.0F, alpha);
+  if (cuboid.held) return color(0.6F, 0.5F, 0.75F, alpha);
   return cuboid.dyn >= static_cast<std::uint32_t>(static_windows) ? color(0.25F, 0.75F, 0.3F)
                                                                   : color(0.9F, 0.25F, 0.15F);
 }
@@ -175,11 +177,15 @@ ColorRGBA colorOf(Level level) {
   return level == Level::kSlow ? color(1.0F, 0.8F, 0.2F) : color(1.0F, 0.2F, 0.2F);
 }
 
-/// Speed scale, and how near the nearest link is.
+/// Speed scale, the unseen share of the way ahead, and how near the nearest link is.
 std::string numbersOf(const Verdict& verdict, const RobotModel& model) {
   char text[120];
   std::snprintf(text, sizeof text, "speed %.0f %%", 100.0 * verdict.speed_scale);
   std::string numbers = text;
+  if (verdict.unseen_fraction > 0.0) {
+    std::snprintf(text, sizeof text, ", %.0f %% unseen", 100.0 * verdict.unseen_fraction);
+    numbers += text;
+  }
   const auto nearest =
       std::min_element(verdict.clearances.begin(), verdict.clearances.end(),
                        [](const auto& a, const auto& b) { return a.distance_m < b.distance_m; });
@@ -220,22 +226,68 @@ Marker contactOf(const WayContact& contact, const CuboidMap& map, Marker prototy
   return prototype;
 }
 
+/// Where the links are about to go although nobody has seen the place.
+Marker unseenOf(const std::vector<Vector3>& places, Marker prototype) {
+  prototype.ns = "unseen ahead";
+  prototype.id = 0;
+  prototype.type = Marker::CUBE_LIST;
+  prototype.scale.x = prototype.scale.y = prototype.scale.z = 0.015;
+  prototype.color = color(1.0F, 0.55F, 0.1F, 0.4F);
+  for (const Vector3& p : places) prototype.points.push_back(point(p.x(), p.y(), p.z()));
+  return prototype;
+}
+
+/// From green, just seen, over yellow to red; grey where no period says what is old.
+ColorRGBA colorOfAge(double age_s, double too_old_s) {
+  if (too_old_s <= 0.0) return color(0.75F, 0.75F, 0.8F);
+  const auto share = static_cast<float>(std::clamp(age_s / too_old_s, 0.0, 1.0));
+  return color(std::min(1.0F, 2.0F * share), std::min(1.0F, 2.0F - 2.0F * share), 0.1F);
+}
+
+/// At each link whose way is watched, how old what is known of it is.
+void addEvidenceAges(const Checker& checker, Marker prototype,
+                     visualization_msgs::MarkerArray& markers) {
+  const double too_old_s =
+      checker.config().evidence.stop_periods * toSeconds(checker.map()->look_period);
+  const PoseCheck& check = checker.poseCheckNow();
+  prototype.ns = "evidence age";
+  prototype.type = Marker::TEXT_VIEW_FACING;
+  prototype.scale.z = 0.03;
+  for (const LinkEvidence& link : checker.evidence().findings().links) {
+    const auto shape =
+        std::find_if(check.collisionShapes().begin(), check.collisionShapes().end(),
+                     [&](std::size_t s) { return checker.model().shapes()[s].link == link.link; });
+    if (shape == check.collisionShapes().end()) continue;
+    const auto index = static_cast<std::size_t>(shape - check.collisionShapes().begin());
+    const Vector3 p = check.collisionBody().poses[index].translation();
+    char text[16] = "?";
+    if (link.age_s) std::snprintf(text, sizeof text, "%.1f s", *link.age_s);
+    prototype.id = static_cast<int>(markers.markers.size());
+    prototype.pose.position = point(p.x(), p.y(), p.z() + 0.08);
+    prototype.color = link.age_s ? colorOfAge(*link.age_s, too_old_s) : color(1.0F, 0.55F, 0.1F);
+    prototype.text = text;
+    markers.markers.push_back(prototype);
+  }
+}
+
 }  // namespace
 
-void toMarker(const tccm_monitor::CuboidMap& map, int static_windows, Marker& marker) {
+void toMarker(const tccm_monitor::CuboidMap& map, CuboidLayer layer, int static_windows,
+              Marker& marker) {
+  const bool held = layer == CuboidLayer::kHeld;
   marker.header = map.header;
-  marker.ns = "cuboids";
+  marker.ns = held ? "held cuboids" : "cuboids";
   marker.type = Marker::TRIANGLE_LIST;
-  marker.action = Marker::ADD;
   marker.pose.orientation.w = 1.0;
   marker.scale.x = marker.scale.y = marker.scale.z = 1.0;
   marker.color = color(1.0F, 1.0F, 1.0F);
   marker.points.clear();
   marker.colors.clear();
   for (const tccm_monitor::Cuboid& cuboid : map.cuboids) {
+    if ((cuboid.held != 0) != held) continue;
     addCuboid(map, cuboid, colorOf(cuboid, static_windows), marker);
   }
-  if (map.cuboids.empty()) marker.action = Marker::DELETE;
+  marker.action = marker.points.empty() ? Marker::DELETE : Marker::ADD;
 }
 
 void toMarkers(const Verdict& verdict, const Checker& checker, const std::string& frame,
@@ -252,6 +304,9 @@ void toMarkers(const Verdict& verdict, const Checker& checker, const std::string
     if (verdict.first_contact) {
       markers.markers.push_back(contactOf(*verdict.first_contact, *checker.map(), prototype));
     }
+    const std::vector<Vector3>& unseen = checker.evidence().unseenPlaces();
+    if (!unseen.empty()) markers.markers.push_back(unseenOf(unseen, prototype));
+    addEvidenceAges(checker, prototype, markers);
   }
   prototype.ns = "exemptions";
   prototype.color = color(0.2F, 0.9F, 0.9F, 0.3F);

@@ -20,7 +20,7 @@ void TccmMapper::setUp() {
   mapper_ = std::make_unique<Mapper>(settings_.mapper);
   mapper_->reserve(snapshot_);
   map_publisher_ = node.advertise<tccm_monitor::CuboidMap>("cuboid_map", 10);
-  marker_publisher_ = node.advertise<visualization_msgs::Marker>("cuboid_markers", 2);
+  marker_publisher_ = node.advertise<visualization_msgs::Marker>("cuboid_markers", 4);
   clear_service_ = node.advertiseService("clear_map", &TccmMapper::clearMap, this);
   get_service_ = node.advertiseService("get_cuboid_map", &TccmMapper::getCuboidMap, this);
   cloud_subscriber_ = node.subscribe("scan_cloud", 20, &TccmMapper::receiveCloud, this,
@@ -112,8 +112,10 @@ void TccmMapper::label(tccm_monitor::CuboidMap& message) const {
 
 void TccmMapper::publishMarkers() {
   if (!newest_ || marker_publisher_.getNumSubscribers() == 0) return;
-  toMarker(*newest_, settings_.static_windows, marker_);
-  marker_publisher_.publish(marker_);
+  for (const CuboidLayer layer : {CuboidLayer::kLive, CuboidLayer::kHeld}) {
+    toMarker(*newest_, layer, settings_.static_windows, marker_);
+    marker_publisher_.publish(marker_);
+  }
 }
 
 bool TccmMapper::clearMap(std_srvs::Trigger::Request& /*request*/,

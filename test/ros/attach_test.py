@@ -193,7 +193,7 @@ class AttachTest(NamedSubTests):
 
     def test_it_is_drawn_as_the_self_filter_and_the_checks_take_it(self):
         robot, filtered = self.markers("robot_markers"), self.markers("self_filter_markers")
-        self.assertEqual(set(robot), {"now", "ahead", "occlusion", "status"})
+        self.assertEqual(set(robot), {"now", "ahead", "occlusion", "evidence age", "status"})
         self.assertEqual(set(filtered), {"self filter"})
         self.attach()
         self.wait_for_attached(["ball"])

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "support/cuboid_scene.h"
+#include "support/look_around.h"
 #include "support/tiny_robot.h"
 #include "tccm_monitor/ros/conversions.h"
 
@@ -26,14 +27,14 @@ class CuboidMarkerTest : public ::testing::Test {
     test::addCuboid(map, *map.grid.cellOf(Vector3(0.51, 0.21, 0.5)), 0.70, 0.75);
     toMessage(map, "odom", map_);
   }
-  Marker marker() {
+  Marker marker(CuboidLayer layer = CuboidLayer::kLive) {
     Marker marker;
-    toMarker(map_, kStatic, marker);
+    toMarker(map_, layer, kStatic, marker);
     return marker;
   }
   /// Red, green and blue of the brightest face.
-  std::array<float, 3> colour() {
-    const Marker drawn = marker();
+  std::array<float, 3> colour(CuboidLayer layer = CuboidLayer::kLive) {
+    const Marker drawn = marker(layer);
     const auto brightest = std::max_element(
         drawn.colors.begin(), drawn.colors.end(),
         [](const auto& a, const auto& b) { return a.r + a.g + a.b < b.r + b.g + b.b; });
@@ -88,20 +89,47 @@ TEST_F(CuboidMarkerTest, ColoursTellStaticDynamicCollisionAndOcclusionApart) {
   EXPECT_GT(occlusion[2], 2.0F * std::max(occlusion[0], occlusion[1])) << "occlusion is blue";
 }
 
+TEST_F(CuboidMarkerTest, HeldCuboidsAreVioletAndTranslucentInANamespaceOfTheirOwn) {
+  map_.cuboids[0].held = 1;
+  map_.cuboids[0].dyn = kStatic;
+  EXPECT_EQ(marker().action, Marker::DELETE) << "no part of the live map";
+  const Marker drawn = marker(CuboidLayer::kHeld);
+  EXPECT_EQ(drawn.action, Marker::ADD);
+  EXPECT_EQ(drawn.points.size(), 36U);
+  EXPECT_NE(drawn.ns, marker().ns);
+  for (const auto& corner : drawn.colors) EXPECT_LT(corner.a, 1.0F);
+  const auto violet = colour(CuboidLayer::kHeld);
+  EXPECT_GT(violet[2], violet[0]);
+  EXPECT_GT(violet[0], violet[1]);
+  map_.cuboids[0].col = tccm_monitor::Cuboid::COLLISION;
+  const auto collision = colour(CuboidLayer::kHeld);
+  EXPECT_GT(std::min(collision[0], collision[2]), 0.5F) << "magenta, as a live one";
+  EXPECT_LT(collision[1], 0.2F);
+}
+
+TEST_F(CuboidMarkerTest, LiveCuboidsAreNotAmongTheHeld) {
+  EXPECT_EQ(marker(CuboidLayer::kHeld).action, Marker::DELETE);
+  EXPECT_TRUE(marker(CuboidLayer::kHeld).points.empty());
+}
+
 TEST_F(CuboidMarkerTest, AnEmptyMapDeletesWhatWasDrawn) {
   Marker drawn = marker();
   map_.cuboids.clear();
-  toMarker(map_, kStatic, drawn);
+  toMarker(map_, CuboidLayer::kLive, kStatic, drawn);
   EXPECT_EQ(drawn.action, Marker::DELETE);
   EXPECT_TRUE(drawn.points.empty());
 }
 
 class RobotMarkerTest : public ::testing::Test {
  protected:
-  const Verdict& judge(const CuboidMap& map) {
+  /// The hand is at x = 0.5 m.
+  const Verdict& judge(const CuboidMap& map, double velocity = 0.0) {
     const Time now = map.stamp + fromSeconds(0.01);
     checker_.setRootPose(0, Time(), Pose::Identity(), true);
-    checker_.addJoints(now, now, {"slide", "glide"}, {0.5, 0.3}, {});
+    for (const double before : {0.04, 0.0}) {
+      checker_.addJoints(now, now - fromSeconds(before), {"slide", "glide"},
+                         {0.5 - before * velocity, 0.3}, {velocity, 0.0});
+    }
     checker_.setMap(now, std::make_shared<const CuboidMap>(map));
     return checker_.check(now);
   }
@@ -110,10 +138,18 @@ class RobotMarkerTest : public ::testing::Test {
     toMarkers(verdict, checker_, "odom", markers);
     return markers;
   }
+  std::vector<Marker> draw(const Verdict& verdict, const std::string& name) {
+    std::vector<Marker> drawn;
+    for (const Marker& marker : draw(verdict).markers) {
+      if (marker.ns == name) drawn.push_back(marker);
+    }
+    return drawn;
+  }
   static CuboidMap scene() {
     CuboidMap map = test::emptyMap();
     map.stamp = Time(fromSeconds(100.0));
     map.viewpoint = Vector3(0.0, 0.0, 1.9);
+    test::lookAround(map);
     return map;
   }
   Checker checker_{test::sliderModel(), {}};
@@ -121,7 +157,8 @@ class RobotMarkerTest : public ::testing::Test {
 
 TEST_F(RobotMarkerTest, EachPrimitiveIsDrawnNowAndAheadWhereItIs) {
   const auto markers = draw(judge(scene())).markers;
-  ASSERT_EQ(markers.size(), 7U);  // two balls: now, ahead, as drawn for occlusion; and the text
+  // Two balls: now, ahead, as drawn for occlusion, and the age of what is known; and the text.
+  ASSERT_EQ(markers.size(), 9U);
   const Marker& hand = markers.front();
   EXPECT_EQ(hand.type, Marker::SPHERE);
   EXPECT_EQ(hand.header.frame_id, "odom");
@@ -163,10 +200,11 @@ TEST_F(RobotMarkerTest, ThePrimitivesOfEachUseHaveANamespaceAndIdsOfTheirOwn) {
     EXPECT_TRUE(ids[marker.ns].insert(marker.id).second) << marker.ns << ' ' << marker.id;
     EXPECT_EQ(marker.action, Marker::ADD);
   }
-  EXPECT_EQ(ids.size(), 4U);
+  EXPECT_EQ(ids.size(), 5U);
   EXPECT_EQ(ids["now"].size(), 2U);
   EXPECT_EQ(ids["ahead"].size(), 2U);
   EXPECT_EQ(ids["occlusion"].size(), 2U);
+  EXPECT_EQ(ids["evidence age"].size(), 2U);
   EXPECT_EQ(ids["status"].size(), 1U);
   const auto unpadded = std::find_if(markers.begin(), markers.end(),
                                      [](const Marker& m) { return m.ns == "occlusion"; });
@@ -248,6 +286,44 @@ TEST_F(RobotMarkerTest, ARobotThatCouldNotBePlacedIsNotDrawn) {
   EXPECT_EQ(markers[0].text.rfind("STOP INIT", 0), 0U);
 }
 
+TEST_F(RobotMarkerTest, TheUnseenWayAheadIsShownAsPlacesAndAsAShare) {
+  EXPECT_TRUE(draw(judge(scene(), 0.3), "unseen ahead").empty());
+  CuboidMap map = scene();
+  map.looks.clear();
+  const Verdict& verdict = judge(map, 0.3);
+  const auto unseen = draw(verdict, "unseen ahead");
+  ASSERT_EQ(unseen.size(), 1U);
+  EXPECT_EQ(unseen[0].type, Marker::CUBE_LIST);
+  EXPECT_EQ(unseen[0].header.frame_id, "odom");
+  EXPECT_LT(unseen[0].color.a, 1.0F);
+  EXPECT_EQ(unseen[0].points.size(), checker_.evidence().unseenPlaces().size());
+  ASSERT_FALSE(unseen[0].points.empty());
+  for (const auto& p : unseen[0].points) {
+    EXPECT_GT(p.x, 0.5) << "where the hand goes";
+    EXPECT_NEAR(p.y, 0.0, 0.1);
+  }
+  const std::string text = draw(verdict, "status").at(0).text;
+  EXPECT_NE(text.find(", 100 % unseen"), std::string::npos) << text;
+}
+
+TEST_F(RobotMarkerTest, AtEachLinkTheAgeOfWhatIsKnownIsWrittenFromGreenToRed) {
+  CuboidMap map = scene();
+  const auto fresh = draw(judge(map), "evidence age");
+  ASSERT_EQ(fresh.size(), 2U);
+  EXPECT_EQ(fresh[0].text, "0.0 s");
+  EXPECT_NEAR(fresh[0].pose.position.x, 0.5, 1e-9);
+  EXPECT_GT(fresh[0].color.g, 0.9F);
+  EXPECT_LT(fresh[0].color.r, 0.1F);
+  map.stamp += fromSeconds(2.99);
+  const auto old = draw(judge(map), "evidence age");
+  ASSERT_EQ(old.size(), 2U);
+  EXPECT_EQ(old[0].text, "3.0 s");
+  EXPECT_LT(old[0].color.g, 0.1F) << "older than evidence_stop_periods";
+  EXPECT_GT(old[0].color.r, 0.9F);
+  map.looks.clear();
+  EXPECT_EQ(draw(judge(map), "evidence age").at(0).text, "?");
+}
+
 TEST_F(RobotMarkerTest, TheOcclusionImageShowsLinksAndWhatHidesThem) {
   CuboidMap map = scene();
   sensor_msgs::Image image;
@@ -266,6 +342,7 @@ TEST_F(RobotMarkerTest, TheOcclusionImageShowsLinksAndWhatHidesThem) {
   EXPECT_GT(pixels(false), 0U);
   EXPECT_EQ(pixels(true), 0U);
   test::addBlock(map, UprightBox(Vector3(0.2, -0.2, 1.0), Vector3(0.4, 0.2, 1.1)));
+  test::lookAround(map);
   EXPECT_EQ(judge(map).reason, Reason::kOcclusion);
   toImage(checker_.poseCheckNow().occlusion().picture(), image);
   EXPECT_GT(pixels(true), 0U);
