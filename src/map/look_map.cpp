@@ -15,6 +15,7 @@ using End = LookImage::End;
 constexpr double kMeanShare = 0.02;  // of the newest scan in the mean viewpoint
 constexpr double kJump = 0.05;       // [m] beyond that a sensor does not swing, it drives
 constexpr double kMoveMax = 0.01;    // [m] of the mean, before directions are taken from there
+constexpr float kElsewhere = 0.25F;  // [m]; a head that turns moves its sensor by less
 constexpr double kNearest = 1e-3;    // [m]; an end this near has no direction
 constexpr Duration kLongest = std::chrono::hours(24 * 24);  // that milliseconds are counted for
 
@@ -154,7 +155,7 @@ void LookMap::note(int row, int column, const Beam& beam, float aim) {
   const Ticks first = is_new ? now : passes[0].first;
   passes[0] = beam.pass;
   passes[0].first = first;
-  aims[0] = {beam.end.cast<float>(), aim, now};
+  aims[0] = {beam.end.cast<float>(), aim, now, image_.viewpoint().cast<float>()};
 }
 
 void LookMap::moveTo(const Vector3& viewpoint) {
@@ -182,9 +183,10 @@ void LookMap::noteAgain(int row, int column, std::size_t k, const Beam& beam, co
   Pass& pass = image_.edit(row, column)[k];
   Aim& best = aims_[image_.grid().index(row, column)][k];
   if (pass.end != End::kNever && aim <= best.aim) return;
+  const float way = (image_.viewpoint().cast<float>() - old.viewpoint).norm();
   pass = beam.pass;
-  pass.moved = true;
-  best = {old.end, aim, old.stamp};
+  pass.moved = way > kElsewhere;
+  best = {old.end, aim, old.stamp, old.viewpoint};
 }
 
 std::size_t LookMap::memoryBytes() const {

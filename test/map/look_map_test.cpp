@@ -120,6 +120,25 @@ TEST(LookMapTest, WhereTheSensorMovesWhatItSawIsFoundFromThere) {
   EXPECT_EQ(map.image().at(moved + 1.2 * (surface - moved), 0.0).kind, Kind::kBehind);
 }
 
+TEST(LookMapTest, WhereTheHeadHasTurnedTheSensorLooksNoMoreButHasLooked) {
+  // A place is lost to a head that turns away; to a robot that drives on it was never the sensor's.
+  const Vector3 surface = kViewpoint + 1.5 * direction(0.4, -0.6);
+  for (const double way : {0.12, 0.2, 0.35, 1.0}) {
+    LookMap map({});
+    for (const double stamp : {1.0, 2.0}) {
+      map.add(at(stamp), {{kViewpoint, surface, Look::End::kSurface}});
+    }
+    for (int i = 1; i <= 40; ++i) {
+      const Vector3 place = kViewpoint + Vector3(0.0, std::min(way, 0.04 * i), 0.0);
+      map.add(at(2.0 + 0.03 * i), {look(2.5, 0.0, 1.0, Look::End::kSurface, place)});
+    }
+    const auto looked = map.image().at(surface, 0.05).looked;
+    ASSERT_EQ(looked.has_value(), way < 0.25) << way;
+    EXPECT_EQ(looked.value_or(at(2.0)), at(2.0));
+    EXPECT_EQ(map.image().at(surface, 0.05).kind, Kind::kSeen) << way;
+  }
+}
+
 TEST(LookMapTest, MovingThereAndBackManyTimesSpreadsNothing) {
   LookMap map({});
   const Vector3 surface = kViewpoint + 1.5 * direction(0.4, -0.6);

@@ -30,8 +30,8 @@ class LookImage {
     Ticks last = 0;   ///< and of the last so far
     std::uint16_t range_mm = 0;
     End end = End::kNever;
-    /// Found from where the sensor is now, it was looked at from elsewhere: this direction may not
-    /// be one that the sensor looks in.
+    /// Found from where the sensor is now, it was looked at from elsewhere, further away than a
+    /// head that turns moves it: this direction may not be one that the sensor looks in.
     bool moved = false;
 
     /// [m]

@@ -45,6 +45,7 @@ class LookMap {
     Eigen::Vector3f end = Eigen::Vector3f::Zero();
     float aim = -4.0F;  ///< cosine of the angle to the pixel's middle, less where it is unclear
     Ticks stamp = 0;
+    Eigen::Vector3f viewpoint = Eigen::Vector3f::Zero();  ///< the image's, then
   };
   using Aims = std::array<Aim, LookImage::kPasses>;
   struct Beam {
