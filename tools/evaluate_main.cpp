@@ -24,6 +24,7 @@ struct Options {
   std::string dump_points;
   std::string dump_cuboids;
   std::string dump_verdicts;
+  std::string dump_visibility;
 };
 
 void describe(CLI::App& app, Options& options) {
@@ -48,6 +49,10 @@ void describe(CLI::App& app, Options& options) {
   app.add_option("--dump-verdicts", options.dump_verdicts,
                  "CSV of all checks: stamp,scan,collision,occlusion,stop,reason,link; the stamp is "
                  "the joint state's, the scan the newest in the map");
+  app.add_option("--dump-visibility", options.dump_visibility,
+                 "CSV of what was seen of each watched link in each check: "
+                 "stamp,scan,link,ahead,visible,occluded,unseen,way_unseen,evidence_age_s,"
+                 "next_look_s; the stamp is the check's");
 }
 
 /// Nothing where no robot is asked for.
@@ -64,6 +69,7 @@ struct Dumps {
   std::unique_ptr<CsvFile> points;
   std::unique_ptr<CsvFile> cuboids;
   std::unique_ptr<CsvFile> verdicts;
+  std::unique_ptr<CsvFile> visibility;
 
   explicit Dumps(const Options& options) {
     const auto open = [](const std::string& path, const char* header) {
@@ -72,9 +78,12 @@ struct Dumps {
     points = open(options.dump_points, "scan,x,y,z");
     cuboids = open(options.dump_cuboids, "x,y,bottom,top,age_scans,dyn,held");
     verdicts = open(options.dump_verdicts, "stamp,scan,collision,occlusion,stop,reason,link");
+    visibility = open(options.dump_visibility,
+                      "stamp,scan,link,ahead,visible,occluded,unseen,way_unseen,evidence_age_s,"
+                      "next_look_s");
   }
   void close() const {
-    for (const auto* file : {&points, &cuboids, &verdicts}) {
+    for (const auto* file : {&points, &cuboids, &verdicts, &visibility}) {
       if (*file) (*file)->close();
     }
   }
@@ -113,8 +122,11 @@ void evaluate(const Options& options) {
   if (dumps.points) {
     observer.mapped = [&dumps](const Monitor& monitor) { dumpPoints(monitor, *dumps.points); };
   }
-  if (dumps.verdicts) {
-    observer.checked = [&dumps](const Verdict& verdict) { dumpVerdict(verdict, *dumps.verdicts); };
+  if (dumps.verdicts || dumps.visibility) {
+    observer.checked = [&dumps](const Verdict& verdict, const Checker& checker) {
+      if (dumps.verdicts) dumpVerdict(verdict, *dumps.verdicts);
+      if (dumps.visibility) dumpVisibility(verdict, checker, *dumps.visibility);
+    };
   }
   Evaluation evaluation(settings, model, observer);
   play(bag, evaluation);

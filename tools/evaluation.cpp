@@ -14,6 +14,11 @@ constexpr Duration kTransformsKept = std::chrono::seconds(10);
 
 }  // namespace
 
+std::size_t heldIn(const CuboidMap& map) {
+  return static_cast<std::size_t>(std::count_if(map.cuboids.begin(), map.cuboids.end(),
+                                                [](const Cuboid& c) { return c.held; }));
+}
+
 Evaluation::Evaluation(const MonitorSettings& settings, std::shared_ptr<const RobotModel> model,
                        Observer observer)
     : monitor_(settings.monitorConfig(), std::move(model)),
@@ -109,6 +114,9 @@ void Evaluation::count(const Monitor::ScanOutcome& outcome) {
   totals_.points_out_of_area += outcome.added.out_of_area;
   totals_.cuboids_sum += map.cuboids.size();
   totals_.cuboids_max = std::max(totals_.cuboids_max, map.cuboids.size());
+  const std::size_t held = heldIn(map);
+  totals_.sight.held_sum += held;
+  totals_.sight.held_max = std::max(totals_.sight.held_max, held);
   totals_.overflowed_maps += map.overflowed ? 1 : 0;
   totals_.complete_maps += map.complete ? 1 : 0;
   totals_.timings.assemble.push_back(outcome.assemble_us);
@@ -129,14 +137,35 @@ void Evaluation::check() {
   totals_.occlusions += verdict.occlusion ? 1 : 0;
   totals_.stops += verdict.stop ? 1 : 0;
   totals_.slows += verdict.level == Level::kSlow ? 1 : 0;
+  if (verdict.level == Level::kSlow) ++totals_.slow_reasons[verdict.reason];
+  if (verdict.stop) ++totals_.stop_reasons[verdict.reason];
   if (verdict.placed) {
     totals_.timings.collision.push_back(verdict.now.collision_us + verdict.ahead.collision_us +
                                         verdict.way_us);
     totals_.timings.clearance.push_back(verdict.clearance_us);
     totals_.timings.occlusion.push_back(verdict.now.occlusion_us + verdict.ahead.occlusion_us);
+    totals_.timings.evidence.push_back(verdict.evidence_us);
+    noteSight(verdict);
   }
   noteStop(verdict);
-  if (observer_.checked) observer_.checked(verdict);
+  if (observer_.checked) observer_.checked(verdict, checker);
+}
+
+void Evaluation::noteSight(const Verdict& verdict) {
+  SightTotals& sight = totals_.sight;
+  const Checker& checker = monitor_.checker();
+  ++sight.checks;
+  sight.unseen_sum += verdict.unseen_fraction;
+  const bool is_above = verdict.unseen_fraction > checker.config().evidence.unseen_fraction_max;
+  sight.unseen_above += is_above ? 1 : 0;
+  std::optional<double> oldest_s;
+  for (const LinkEvidence& link : checker.evidence().findings().links) {
+    if (link.age_s) oldest_s = std::max(oldest_s.value_or(0.0), *link.age_s);
+  }
+  if (!oldest_s) return;
+  ++sight.ages;
+  sight.age_sum_s += *oldest_s;
+  sight.age_max_s = std::max(sight.age_max_s, *oldest_s);
 }
 
 void Evaluation::noteStop(const Verdict& verdict) {

@@ -5,6 +5,7 @@
 #include <tf2/buffer_core.h>
 #include <tf2_msgs/TFMessage.h>
 
+#include <cstddef>
 #include <functional>
 #include <map>
 #include <optional>
@@ -35,7 +36,20 @@ struct Timings {
   std::vector<double> collision;  ///< of both ends of the way ahead, and of the way
   std::vector<double> clearance;
   std::vector<double> occlusion;
+  std::vector<double> evidence;
   std::vector<double> scan_to_verdict;  ///< from a scan with its transforms to the check on its map
+};
+
+/// What the sensor did not see, and how old what it saw was.
+struct SightTotals {
+  std::size_t held_sum = 0;  ///< cuboids, over the maps after each scan
+  std::size_t held_max = 0;
+  std::size_t checks = 0;        ///< in which the robot was placed
+  double unseen_sum = 0.0;       ///< of their unseen fractions
+  std::size_t unseen_above = 0;  ///< those above unseen_fraction_max
+  std::size_t ages = 0;          ///< checks in which anything of a watched way was seen
+  double age_sum_s = 0.0;        ///< of the oldest evidence in each
+  double age_max_s = 0.0;
 };
 
 /// What became of a recording. All but the timings depend on the recording and settings alone.
@@ -60,12 +74,18 @@ struct Totals {
   std::size_t stops = 0;
   std::size_t slows = 0;  ///< permitted, but only slowly
   std::vector<StopRun> stop_runs;
+  std::map<Reason, std::size_t> slow_reasons;  ///< checks by the reason that decided
+  std::map<Reason, std::size_t> stop_reasons;
+  SightTotals sight;
 
   std::size_t time_jumps = 0;
   std::optional<Time> first_stamp;
   std::optional<Time> last_stamp;
   Timings timings;
 };
+
+/// How many of a map's cuboids are held.
+[[nodiscard]] std::size_t heldIn(const CuboidMap& map);
 
 /// Drives the core with the messages of a recording. The clock is the newest stamp of scans and
 /// joint states; stamps of transforms do not move it, as publishers of fixed transforms date them
@@ -75,7 +95,7 @@ class Evaluation {
   /// Called after each mapped scan and after each check; may be empty.
   struct Observer {
     std::function<void(const Monitor&)> mapped;
-    std::function<void(const Verdict&)> checked;
+    std::function<void(const Verdict&, const Checker&)> checked;
   };
 
   /// @param model nothing: the surroundings are mapped, and nothing is checked.
@@ -112,6 +132,7 @@ class Evaluation {
   void count(const Monitor::ScanOutcome& outcome);
   void check();
   void noteStop(const Verdict& verdict);
+  void noteSight(const Verdict& verdict);
 
   Monitor monitor_;
   Observer observer_;

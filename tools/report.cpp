@@ -7,19 +7,12 @@
 #include <set>
 
 #include "program.h"
+#include "report_figures.h"
 
 namespace tccm {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-double rounded(double value) { return std::nearbyint(value * 1e6) / 1e6; }
-
-/// Null of nothing: no checks are not "never a collision".
-Json fraction(std::size_t part, std::size_t whole) {
-  if (whole == 0) return nullptr;
-  return rounded(static_cast<double>(part) / static_cast<double>(whole));
-}
 
 /// Nearest rank. @param sorted ascending, not empty.
 double percentile(const std::vector<double>& sorted, double p) {
@@ -112,6 +105,7 @@ Json timesOf(const Timings& timings) {
           {"snapshot", percentiles(timings.snapshot)},
           {"collision", percentiles(timings.collision)},
           {"occlusion", percentiles(timings.occlusion)},
+          {"evidence", percentiles(timings.evidence)},
           {"clearance", percentiles(timings.clearance)},
           {"scan_to_verdict", percentiles(timings.scan_to_verdict)}};
 }
@@ -126,6 +120,21 @@ std::string percent(const Json& fraction) {
 }
 
 }  // namespace
+
+double rounded(double value) { return std::nearbyint(value * 1e6) / 1e6; }
+
+Json fraction(std::size_t part, std::size_t whole) {
+  if (whole == 0) return nullptr;
+  return rounded(static_cast<double>(part) / static_cast<double>(whole));
+}
+
+std::string stampText(Time stamp) {
+  const auto nanoseconds = stamp.time_since_epoch().count();
+  char text[40];
+  std::snprintf(text, sizeof text, "%lld.%09lld", static_cast<long long>(nanoseconds / 1000000000),
+                static_cast<long long>(nanoseconds % 1000000000));
+  return text;
+}
 
 CsvFile::CsvFile(const std::string& path, const std::string& header) : path_(path), stream_(path) {
   stream_ << header << '\n';
@@ -161,15 +170,10 @@ void dumpCuboids(const CuboidMap& map, CsvFile& file) {
 }
 
 void dumpVerdict(const Verdict& verdict, CsvFile& file) {
-  char stamp[40] = "";
-  const auto nanoseconds = verdict.joints_stamp.time_since_epoch().count();
-  if (nanoseconds > 0) {
-    std::snprintf(stamp, sizeof stamp, "%lld.%09lld",
-                  static_cast<long long>(nanoseconds / 1000000000),
-                  static_cast<long long>(nanoseconds % 1000000000));
-  }
-  file.line("%s,%u,%d,%d,%d,%s,%s", stamp, verdict.serial, verdict.collision, verdict.occlusion,
-            verdict.stop, name(verdict.reason), verdict.link.c_str());
+  const bool any = verdict.joints_stamp > Time();
+  const std::string stamp = any ? stampText(verdict.joints_stamp) : "";
+  file.line("%s,%u,%d,%d,%d,%s,%s", stamp.c_str(), verdict.serial, verdict.collision,
+            verdict.occlusion, verdict.stop, name(verdict.reason), verdict.link.c_str());
 }
 
 Json summaryOf(const Evaluation& evaluation, const MonitorSettings& settings) {
@@ -188,6 +192,7 @@ Json summaryOf(const Evaluation& evaluation, const MonitorSettings& settings) {
           {"stop_fraction", fraction(totals.stops, totals.checks)},
           {"slow_fraction", fraction(totals.slows, totals.checks)},
           {"unknown_fraction", fraction(totals.checks_unknown, totals.checks)},
+          {"sight", sightOf(totals, evaluation.monitor().map())},
           {"stops", stopsOf(totals)},
           {"time_jumps", totals.time_jumps},
           {"duration_s", any ? Json(rounded(toSeconds(*totals.last_stamp - *totals.first_stamp)))
@@ -226,6 +231,11 @@ void printSummary(const Json& summary, std::ostream& out) {
       << percent(summary["collision_fraction"]) << ", occlusion "
       << percent(summary["occlusion_fraction"]) << ", unknown "
       << percent(summary["unknown_fraction"]) << "\n";
+  const Json& sight = summary["sight"];
+  out << "sight    " << number(sight["held"]["mean"]) << " cuboids held on average, unseen ahead "
+      << percent(sight["unseen_fraction"]["mean"]) << " on average, too much in "
+      << percent(sight["unseen_fraction"]["above_max"]) << " of the checks, oldest evidence "
+      << number(sight["evidence_age_s"]["max"]) << " s\n";
   if (summary["time_jumps"] > 0) {
     out << "warning  time jumped back " << summary["time_jumps"]
         << " times; each time all started anew\n";

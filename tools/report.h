@@ -39,6 +39,13 @@ void dumpCuboids(const CuboidMap& map, CsvFile& file);
 /// One check: stamp,scan,collision,occlusion,stop,reason,link. No stamp where no joint was known.
 void dumpVerdict(const Verdict& verdict, CsvFile& file);
 
+/// One check, a line for each link that is watched for occlusion or whose way is watched, at the
+/// present pose and, for the former, at the one ahead:
+/// stamp,scan,link,ahead,visible,occluded,unseen,way_unseen,evidence_age_s,next_look_s. Empty where
+/// something is not known or not watched, no line where the robot was not placed. The stamp is the
+/// check's.
+void dumpVisibility(const Verdict& verdict, const Checker& checker, CsvFile& file);
+
 /// All figures of a run; only time_us differs between two runs.
 [[nodiscard]] nlohmann::ordered_json summaryOf(const Evaluation& evaluation,
                                                const MonitorSettings& settings);

@@ -48,7 +48,7 @@ class EvaluateTest(unittest.TestCase):
         arguments += ["--urdf", urdf] if urdf else []
         packages = os.path.join(os.path.dirname(urdf or ""), "packages")
         arguments += ["--package-path", packages] if os.path.isdir(packages) else []
-        for dump in ("points", "cuboids", "verdicts"):
+        for dump in ("points", "cuboids", "verdicts", "visibility"):
             arguments += [f"--dump-{dump}", os.path.join(out, dump + ".csv")]
         done = self.call(*arguments)
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -67,6 +67,30 @@ class EvaluateTest(unittest.TestCase):
                          summary["scans_received"])
         points = dict(summary["points"])
         self.assertEqual(points.pop("measured"), sum(points.values()))
+        for level in ("slow", "stop"):
+            shares = summary["sight"][level + "_by_reason"].values()
+            self.assertAlmostEqual(sum(shares), summary[level + "_fraction"] or 0.0, places=5)
+
+    def assertSightAddsUp(self, summary, out="out"):
+        """The dumps say the same as the section "sight"."""
+        sight, rows = summary["sight"], self.rows("visibility", out)
+        self.assertEqual(sight["held"]["last"], sum(c["held"] == "1" for c in self.rows("cuboids", out)))
+        verdicts = self.rows("verdicts", out)
+        for reason in {row["reason"] for row in verdicts}:
+            stops = sum(row["stop"] == "1" and row["reason"] == reason for row in verdicts)
+            self.assertAlmostEqual(sight["stop_by_reason"].get(reason, 0.0), stops / len(verdicts), places=5)
+        oldest = {}
+        for row in rows:
+            if row["visible"]:
+                shares = [float(row[share]) for share in ("visible", "occluded", "unseen")]
+                self.assertAlmostEqual(sum(shares), 1.0, places=5)
+            if row["ahead"] == "1":
+                self.assertEqual((row["way_unseen"], row["evidence_age_s"], row["next_look_s"]), ("", "", ""))
+            elif row["evidence_age_s"]:
+                # Several checks may have one stamp, and are alike then but for their scan.
+                check = row["stamp"], row["scan"]
+                oldest[check] = max(oldest.get(check, 0.0), float(row["evidence_age_s"]))
+        self.assertAlmostEqual(sight["evidence_age_s"]["max"], max(oldest.values()), places=5)
 
     def assertSameFiles(self, one, other):
         summaries = []
@@ -75,7 +99,7 @@ class EvaluateTest(unittest.TestCase):
                 summaries.append(json.load(f))
             summaries[-1].pop("time_us")
         self.assertEqual(json.dumps(summaries[0]), json.dumps(summaries[1]))
-        for dump in ("points.csv", "cuboids.csv", "verdicts.csv"):
+        for dump in ("points.csv", "cuboids.csv", "verdicts.csv", "visibility.csv"):
             a, b = self.path(os.path.join(one, dump)), self.path(os.path.join(other, dump))
             self.assertTrue(filecmp.cmp(a, b, shallow=False), dump)
 
@@ -123,12 +147,14 @@ class OnMadeBags(EvaluateTest):
         summary = self.evaluate(self.bag())
         for group, fields in (
                 (summary, ["scans", "scans_dropped", "points", "map", "checks", "collision_fraction",
-                           "occlusion_fraction", "stop_fraction", "stops", "time_us"]),
+                           "occlusion_fraction", "stop_fraction", "sight", "stops", "time_us"]),
                 (summary["points"], ["measured", "out_of_range", "mixed_pixel", "self", "shadow",
                                      "out_of_area", "mapped"]),
                 (summary["map"], ["origin_m", "cell_size_m", "cells", "thickness_m",
                                   "height_quantum_m", "window_scans", "cuboids", "memory_bytes"]),
-                (summary["time_us"], ["assemble", "integrate", "collision", "occlusion",
+                (summary["sight"], ["held", "unseen_fraction", "evidence_age_s", "slow_by_reason",
+                                    "stop_by_reason"]),
+                (summary["time_us"], ["assemble", "integrate", "collision", "occlusion", "evidence",
                                       "scan_to_verdict"])):
             self.assertEqual([k for k in group if k in fields], fields)
 
@@ -159,6 +185,32 @@ class OnMadeBags(EvaluateTest):
         self.assertEqual(summary["stops"][0]["reason"], "INIT")
         self.assertEqual(rows[-1]["stop"], "0")
         self.assertMapCanBeRecomputed()
+
+    def test_what_was_not_seen_of_links_and_their_ways_is_summed_up_and_dumped(self):
+        config = CONFIG.replace("horizon_s: 0.0", "horizon_s: 0.5").replace(
+            "check_occlusion: false", "check_occlusion: true, occlusion_stops: false")
+        summary = self.evaluate(self.bag(), config=self.text("seen.yaml", config), urdf=self.robot())
+        self.assertSightAddsUp(summary)
+        rows = self.rows("visibility")
+        self.assertEqual({row["link"] for row in rows}, {"hand"})
+        now = [row for row in rows if row["ahead"] == "0"]
+        self.assertEqual(len(now), len(rows) - len(now), "at both poses")
+        self.assertLessEqual(len(now), summary["checks"])
+        # One beam is all there is: it passes what is beside it, so that most of the way is unseen.
+        mean = sum(float(row["way_unseen"]) for row in now) / len(now)
+        self.assertGreater(mean, 0.5)
+        self.assertAlmostEqual(summary["sight"]["unseen_fraction"]["mean"], mean, places=5)
+        above = sum(float(row["way_unseen"]) > 0.2 for row in now) / len(now)
+        self.assertAlmostEqual(summary["sight"]["unseen_fraction"]["above_max"], above, places=5)
+        self.assertIn("UNSEEN_AHEAD", summary["sight"]["slow_by_reason"])
+
+    def test_without_a_robot_no_link_is_seen_and_nothing_is_said_of_it(self):
+        sight = self.evaluate(self.bag())["sight"]
+        self.assertEqual(self.rows("visibility"), [])
+        self.assertEqual(sight["unseen_fraction"], {"mean": None, "above_max": None})
+        self.assertEqual(sight["evidence_age_s"], {"mean": None, "max": None})
+        self.assertEqual(sight["held"], {"mean": 0.0, "max": 0, "last": 0})
+        self.assertEqual((sight["slow_by_reason"], sight["stop_by_reason"]), ({}, {}))
 
     def test_checks_say_stop_where_joint_states_end_before_the_scans(self):
         stream = Stream()
@@ -228,6 +280,7 @@ class OnBadInput(EvaluateTest):
         done = self.call("--help")
         self.assertEqual(done.returncode, 0)
         self.assertIn("--dump-verdicts", done.stdout)
+        self.assertIn("--dump-visibility", done.stdout)
 
     def test_what_cannot_be_worked_with_is_refused_in_one_line(self):
         bag, config = self.path("in.bag"), self.text("config.yaml", CONFIG)
@@ -318,14 +371,16 @@ class OnSimulations(EvaluateTest):
         if not os.environ.get("TCCM_SIMULATE"):
             self.skipTest("TCCM_SIMULATE names no simulator")
 
-    def simulated(self, *arguments):
-        """@return the summary, the rows of the verdicts and what really happened."""
+    def simulated(self, *arguments, config=None):
+        """@param config a shipped one; none: defaults.
+        @return the summary, the rows of the verdicts and what really happened."""
         bag, truth = self.path("simulated.bag"), self.path("truth.json")
         done = subprocess.run([os.environ["TCCM_SIMULATE"], "--bag", bag, "--truth", truth, *arguments],
                               capture_output=True, text=True, timeout=300)
         self.assertEqual(done.returncode, 0, done.stderr)
         empty = self.text("defaults.yaml", "topics: {scan: /scan}\n")
-        summary = self.evaluate(bag, config=empty, urdf=self.URDF)
+        config = os.path.join(CONFIGS, config) if config else empty
+        summary = self.evaluate(bag, config=config, urdf=self.URDF)
         with open(truth) as f:
             return summary, self.rows("verdicts"), json.load(f)
 
@@ -339,6 +394,17 @@ class OnSimulations(EvaluateTest):
         self.assertIn("COLLISION", stop["reason"])
         self.assertGreater(summary["points"]["self"], 0)
         self.assertMapCanBeRecomputed()
+
+    def test_an_arm_that_works_in_view_is_seen_for_the_most_part(self):
+        summary, rows, _ = self.simulated("--duration-s", "12", config="simulation.yaml")
+        self.assertSightAddsUp(summary)
+        sight = summary["sight"]
+        self.assertLess(sight["unseen_fraction"]["mean"], 0.2)
+        self.assertLess(sight["unseen_fraction"]["above_max"], 0.3)
+        self.assertEqual(set(sight["stop_by_reason"]), {"INIT"})
+        links = {row["link"] for row in self.rows("visibility") if row["way_unseen"]}
+        self.assertEqual(links, {side + link for side in ("left_", "right_") for link in
+                                 ("palm_link", "inner_finger_link", "outer_finger_link")})
 
     def test_scans_that_stop_coming_end_in_a_stop_that_says_so(self):
         _, rows, _ = self.simulated("--duration-s", "6", "--scans-stop-at", "5")
