@@ -296,9 +296,11 @@ class AttachTest(NamedSubTests):
         wait_for(lambda: "let go" in self.recorder.statuses[-1].detail)
         self.assertTrue(self.recorder.statuses[-1].stop)
         self.assertFalse(self.recorder.statuses[-1].known)
-        wait_for(lambda: self.recorder.statuses[-1].known)
-        newest = self.maps[-1]
-        self.assertGreaterEqual(newest.header.stamp - newest.window, let_go)
+        known = wait_for(lambda: next((status for status in self.recorder.statuses[-1:]
+                                       if status.known), None))
+        checked = wait_for(lambda: next((heard for heard in self.maps
+                                         if heard.header.stamp == known.map_stamp), None))
+        self.assertGreaterEqual(checked.header.stamp - checked.window, let_go)
 
     def test_what_no_map_takes_into_account_is_checked_all_the_same_and_no_state_is_free_before(self):
         wait_for(lambda: self.unheard.statuses and self.unheard.statuses[-1].known)
