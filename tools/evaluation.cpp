@@ -14,11 +14,6 @@ constexpr Duration kTransformsKept = std::chrono::seconds(10);
 
 }  // namespace
 
-std::size_t heldIn(const CuboidMap& map) {
-  return static_cast<std::size_t>(std::count_if(map.cuboids.begin(), map.cuboids.end(),
-                                                [](const Cuboid& c) { return c.held; }));
-}
-
 Evaluation::Evaluation(const MonitorSettings& settings, std::shared_ptr<const RobotModel> model,
                        Observer observer)
     : monitor_(settings.monitorConfig(), std::move(model)),

@@ -84,9 +84,6 @@ struct Totals {
   Timings timings;
 };
 
-/// How many of a map's cuboids are held.
-[[nodiscard]] std::size_t heldIn(const CuboidMap& map);
-
 /// Drives the core with the messages of a recording. The clock is the newest stamp of scans and
 /// joint states; stamps of transforms do not move it, as publishers of fixed transforms date them
 /// ahead.

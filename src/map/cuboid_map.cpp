@@ -24,6 +24,11 @@ std::uint32_t supportOf(const CuboidMap& map, const Cuboid& cuboid, double heigh
   return points;
 }
 
+std::size_t heldIn(const CuboidMap& map) {
+  return static_cast<std::size_t>(std::count_if(map.cuboids.begin(), map.cuboids.end(),
+                                                [](const Cuboid& c) { return c.held; }));
+}
+
 void indexCells(CuboidMap& map) {
   const CellIndex cells = map.grid.cells();
   map.cell_begin.resize(cells + 1);

@@ -312,6 +312,7 @@ void CollisionChecker::diagnose(diagnostic_updater::DiagnosticStatusWrapper& sta
   status.add("check [us]", check_us_);
   status.add("check, longest [us]", check_us_max_);
   status.add("poses on the way ahead", verdict_->way_poses);
+  if (verdict_->placed) diagnoseEvidence(status);
   status.add("scan to verdict [s]", latencies_.scan_to_verdict_s);
   status.add("of that, waiting for transforms [s]", latencies_.transform_wait_s);
   status.add("scan and transforms to permission [s]", latencies_.ready_to_verdict_s);
@@ -321,12 +322,27 @@ void CollisionChecker::diagnose(diagnostic_updater::DiagnosticStatusWrapper& sta
     status.add("map covers [s]", toSeconds(map->window));
     status.add("map holds a whole sweep", map->complete ? "yes" : "no");
     status.add("cuboids", map->cuboids.size());
+    status.add("of them held", heldIn(*map));
   }
   status.add("joint states dropped: stamped in the future", checker_->inputs().futureJoints());
   status.add("cuboid_maps dropped", maps_dropped_);
   if (!map_defect_.empty()) status.add("last cuboid_map dropped", map_defect_);
   for (const auto& [reason, count] : scans_dropped_) status.add("scans dropped: " + reason, count);
   status.add("exemptions", checker_->exemptions().list().size());
+}
+
+void CollisionChecker::diagnoseEvidence(diagnostic_updater::DiagnosticStatusWrapper& status) const {
+  status.add("unseen share of the way ahead", verdict_->unseen_fraction);
+  const std::vector<LinkEvidence>& links = checker_->evidence().findings().links;
+  const auto oldest = std::max_element(
+      links.begin(), links.end(),
+      [](const auto& a, const auto& b) { return a.age_s.value_or(-1.0) < b.age_s.value_or(-1.0); });
+  if (oldest == links.end() || !oldest->age_s) {
+    status.add("oldest evidence [s]", "nothing was seen of the ways");
+  } else {
+    status.add("oldest evidence [s]", *oldest->age_s);
+    status.add("oldest evidence, of", checker_->model().links()[oldest->link]);
+  }
 }
 
 }  // namespace tccm

@@ -91,11 +91,6 @@ void addContact(const Verdict& verdict, const Checker& checker, MonitorStatus& m
   if (!first.by_margin) message.flagged.push_back(message.contact_cuboid);
 }
 
-std::uint32_t heldIn(const CuboidMap& map) {
-  return static_cast<std::uint32_t>(std::count_if(map.cuboids.begin(), map.cuboids.end(),
-                                                  [](const Cuboid& c) { return c.held; }));
-}
-
 std::vector<std::string> namesOf(const Verdict& verdict) {
   std::vector<std::string> names;
   for (const Reason reason : verdict.reasons) names.emplace_back(name(reason));
@@ -158,7 +153,7 @@ void toMessage(const Verdict& verdict, const Checker& checker,
   const CuboidMap* map = checker.map();
   message.map_stamp = map ? toRos(map->stamp) : ros::Time();
   message.cuboids = map ? static_cast<std::uint32_t>(map->cuboids.size()) : 0;
-  message.held = map ? heldIn(*map) : 0;
+  message.held = map ? static_cast<std::uint32_t>(heldIn(*map)) : 0;
   message.window_scans = map ? map->window_scans : 0;
   if (!map) return;
   addContact(verdict, checker, message);

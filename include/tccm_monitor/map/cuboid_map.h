@@ -51,6 +51,9 @@ struct CuboidMap {
 /// it that come within height_m of its heights, its own included.
 [[nodiscard]] std::uint32_t supportOf(const CuboidMap& map, const Cuboid& cuboid, double height_m);
 
+/// How many of a map's cuboids are held.
+[[nodiscard]] std::size_t heldIn(const CuboidMap& map);
+
 /// Fills cell_begin from the cuboids' cells. @pre cuboids are ordered by cell.
 void indexCells(CuboidMap& map);
 

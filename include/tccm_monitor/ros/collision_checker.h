@@ -64,6 +64,7 @@ class CollisionChecker : public nodelet::Nodelet {
   void tellChange(const Verdict& verdict);
   void tellOnce();
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void diagnoseEvidence(diagnostic_updater::DiagnosticStatusWrapper& status) const;
 
   CheckerSettings settings_;
   std::unique_ptr<Checker> checker_;
