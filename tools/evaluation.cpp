@@ -153,6 +153,8 @@ void Evaluation::noteSight(const Verdict& verdict) {
   sight.unseen_sum += verdict.unseen_fraction;
   const bool is_above = verdict.unseen_fraction > checker.config().evidence.unseen_fraction_max;
   sight.unseen_above += is_above ? 1 : 0;
+  sight.governed_sum += verdict.governed_scale;
+  sight.governed_min = std::min(sight.governed_min, verdict.governed_scale);
   std::optional<double> oldest_s;
   for (const LinkEvidence& link : checker.evidence().findings().links) {
     if (link.age_s) oldest_s = std::max(oldest_s.value_or(0.0), *link.age_s);

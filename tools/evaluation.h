@@ -47,8 +47,10 @@ struct SightTotals {
   std::size_t checks = 0;        ///< in which the robot was placed
   double unseen_sum = 0.0;       ///< of their unseen fractions
   std::size_t unseen_above = 0;  ///< those above unseen_fraction_max
-  std::size_t ages = 0;          ///< checks in which anything of a watched way was seen
-  double age_sum_s = 0.0;        ///< of the oldest evidence in each
+  double governed_sum = 0.0;     ///< of the scales that the governed speed allowed
+  double governed_min = 1.0;
+  std::size_t ages = 0;    ///< checks in which anything of a watched way was seen
+  double age_sum_s = 0.0;  ///< of the oldest evidence in each
   double age_max_s = 0.0;
 };
 

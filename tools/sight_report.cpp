@@ -68,6 +68,9 @@ Json sightOf(const Totals& totals, const CuboidMap* newest) {
           {"evidence_age_s",
            {{"mean", meanOf(sight.age_sum_s, sight.ages)},
             {"max", any_age ? Json(rounded(sight.age_max_s)) : Json(nullptr)}}},
+          {"governed_scale",
+           {{"mean", meanOf(sight.governed_sum, sight.checks)},
+            {"min", sight.checks > 0 ? Json(rounded(sight.governed_min)) : Json(nullptr)}}},
           {"slow_by_reason", byReason(totals.slow_reasons, totals.checks)},
           {"stop_by_reason", byReason(totals.stop_reasons, totals.checks)}};
 }

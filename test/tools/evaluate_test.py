@@ -152,8 +152,8 @@ class OnMadeBags(EvaluateTest):
                                      "out_of_area", "mapped"]),
                 (summary["map"], ["origin_m", "cell_size_m", "cells", "thickness_m",
                                   "height_quantum_m", "window_scans", "cuboids", "memory_bytes"]),
-                (summary["sight"], ["held", "unseen_fraction", "evidence_age_s", "slow_by_reason",
-                                    "stop_by_reason"]),
+                (summary["sight"], ["held", "unseen_fraction", "evidence_age_s", "governed_scale",
+                                    "slow_by_reason", "stop_by_reason"]),
                 (summary["time_us"], ["assemble", "integrate", "collision", "occlusion", "evidence",
                                       "scan_to_verdict"])):
             self.assertEqual([k for k in group if k in fields], fields)
@@ -203,6 +203,15 @@ class OnMadeBags(EvaluateTest):
         above = sum(float(row["way_unseen"]) > 0.2 for row in now) / len(now)
         self.assertAlmostEqual(summary["sight"]["unseen_fraction"]["above_max"], above, places=5)
         self.assertIn("UNSEEN_AHEAD", summary["sight"]["slow_by_reason"])
+        self.assertEqual(summary["sight"]["governed_scale"], {"mean": 1.0, "min": 1.0}, "not governed")
+
+    def test_a_governed_speed_is_summed_up(self):
+        config = CONFIG.replace("horizon_s: 0.0", "horizon_s: 0.5, appear_distance_m: 0.15")
+        summary = self.evaluate(self.bag(), config=self.text("governed.yaml", config), urdf=self.robot())
+        governed = summary["sight"]["governed_scale"]
+        self.assertLess(governed["min"], governed["mean"])
+        self.assertLess(governed["mean"], 1.0)
+        self.assertIn("SPEED_GOVERNED", summary["sight"]["slow_by_reason"])
 
     def test_without_a_robot_no_link_is_seen_and_nothing_is_said_of_it(self):
         sight = self.evaluate(self.bag())["sight"]
