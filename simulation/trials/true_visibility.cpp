@@ -17,9 +17,10 @@ class Targets {
   Targets(const Body& body, const Vector3& viewpoint) {
     for (std::size_t i = 0; i < body.shapes.size(); ++i) {
       const Vector3 way = body.poses[i].translation() - viewpoint;
+      if (distance(body.shapes[i], body.poses[i].inverse() * viewpoint) == 0.0) continue;
       const double radius = boundingRadius(body.shapes[i]);
       const double angle = way.norm() > radius ? std::asin(radius / way.norm()) : M_PI;
-      targets_.push_back({body.shapes[i], body.poses[i].inverse(), way.normalized(), angle});
+      targets_.push_back({body.shapes[i], body.poses[i].inverse(), way.normalized(), angle, i});
     }
   }
 
@@ -34,7 +35,7 @@ class Targets {
       if (target.towards.dot(ray.direction) < std::cos(target.angle)) continue;
       const auto span = intersect(target.shape, transformed(ray, target.T_shape_fixed));
       if (span && span->enter > 0.0 && (!nearest || span->enter < nearest->range)) {
-        nearest = Hit{span->enter, i};
+        nearest = Hit{span->enter, target.shape_index};
       }
     }
     return nearest;
@@ -57,6 +58,7 @@ class Targets {
     Pose T_shape_fixed;
     Vector3 towards;
     double angle;  ///< half of what its bounding sphere takes up [rad]
+    std::size_t shape_index;
   };
   std::vector<Target> targets_;
 };
@@ -101,9 +103,9 @@ bool TrueVisibility::isInRange(const Vector3& direction) const {
 
 std::vector<TrueLinkVisibility> TrueVisibility::find(
     const Vector3& viewpoint, const Body& links, const std::vector<std::uint32_t>& link_of_shape,
-    const Body& scene) const {
+    const Body& things) const {
   const Targets robot(links, viewpoint);
-  const Targets obstacles(scene, viewpoint);
+  const Targets obstacles(things, viewpoint);
   std::vector<Sum> sums = emptySums(link_of_shape);
   const auto [lowest, highest] = robot.elevations();
   const int rows = static_cast<int>((highest - lowest) / config_.resolution_rad) + 1;

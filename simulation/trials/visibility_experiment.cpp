@@ -102,7 +102,8 @@ std::string rowOf(const VisibilityTrial::Result& trial, const LinkComparison& li
   return std::to_string(trial.seed) + ',' + trial.scene + ',' + trial.obstacle + ',' + link.link +
          ',' + fixed(link.silhouette_pixels, 1) + ',' + fixed(link.in_range, 3) + ',' +
          (counts ? "1," : "0,") + fixed(link.true_fraction, 4) + ',' +
-         fixed(link.visible_fraction, 4) + ',' + fixed(link.error(), 4) + '\n';
+         fixed(link.visible_fraction, 4) + ',' + fixed(link.occluded_fraction, 4) + ',' +
+         fixed(link.unseen_fraction, 4) + ',' + fixed(link.error(), 4) + '\n';
 }
 
 std::string lineOf(const std::string& what, const Errors& errors) {
@@ -168,8 +169,8 @@ Findings runVisibility(VisibilityOptions options, const TrialOptions& common,
                        {"silhouette_min_pixels", options.silhouette_min_pixels},
                        {"margin_m", options.trial.monitor.checker.pose.occlusion.margin_m}};
   findings.rows =
-      "seed,scene,obstacle,link,silhouette_pixels,in_range,counted,true_visible,visible,"
-      "difference\n";
+      "seed,scene,obstacle,link,silhouette_pixels,in_range,counted,true_visible,visible,occluded,"
+      "unseen,difference\n";
   add(trials, options, findings);
   return findings;
 }

@@ -86,24 +86,34 @@ void VisibilityTrial::waitForMap() {
   result_.simulated_s = toSeconds(simulation_.simulator().now() - start);
 }
 
+/// Of a robot that stood in its pose while the map filled, what is not drawn hides links too.
 std::vector<TrueLinkVisibility> VisibilityTrial::truth() const {
   const PoseCheck::Config& pose = simulation_.monitor().checker().config().pose;
   const UsedShapes used = model_->shapesFor(pose.occlusion_use, kOcclusionKeys);
   Kinematics kinematics(model_);
   kinematics.update(scene_.joints, {Pose::Identity()});
   Body links;
+  Body things = bodyOf(simulation_.simulator().world());
   std::vector<std::uint32_t> link_of_shape;
-  for (std::size_t i = 0; i < used.shapes.size(); ++i) {
-    const std::size_t shape = used.shapes[i];
-    links.shapes.push_back(expanded(model_->shapes()[shape].shape, used.expansions[i]));
-    links.poses.push_back(kinematics.shapePoses()[shape]);
-    link_of_shape.push_back(static_cast<std::uint32_t>(model_->shapes()[shape].link));
+  for (std::size_t shape = 0; shape < model_->shapes().size(); ++shape) {
+    const LinkShape& described = model_->shapes()[shape];
+    const auto drawn = std::find(used.shapes.begin(), used.shapes.end(), shape);
+    if (drawn == used.shapes.end() && config_.robot == Robot::kAway) continue;
+    Body& body = drawn == used.shapes.end() ? things : links;
+    body.poses.push_back(kinematics.shapePoses()[shape]);
+    if (drawn == used.shapes.end()) {
+      body.shapes.push_back(described.shape);
+      continue;
+    }
+    const auto i = static_cast<std::size_t>(drawn - used.shapes.begin());
+    body.shapes.push_back(expanded(described.shape, used.expansions[i]));
+    link_of_shape.push_back(static_cast<std::uint32_t>(described.link));
   }
   TrueVisibility::Config config;
   config.resolution_rad = config_.resolution_rad;
   config.margin_m = pose.occlusion.margin_m;
   return TrueVisibility(config).find(laserOrigin(model_, TiltMotion().mean_rad), links,
-                                     link_of_shape, bodyOf(simulation_.simulator().world()));
+                                     link_of_shape, things);
 }
 
 VisibilityTrial::Result VisibilityTrial::run() {
@@ -118,7 +128,8 @@ VisibilityTrial::Result VisibilityTrial::run() {
                                    [&found](const auto& link) { return link.link == found.link; });
     if (real == links.end()) continue;
     result_.links.push_back({model_->links()[found.link], found.silhouette, real->in_range,
-                             real->visible_fraction, found.visible_fraction});
+                             real->visible_fraction, found.visible_fraction,
+                             found.occluded_fraction, found.unseen_fraction});
   }
   return result_;
 }

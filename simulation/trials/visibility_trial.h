@@ -17,7 +17,9 @@ struct LinkComparison {
   double silhouette_pixels = 0.0;  ///< as the monitor draws it
   double in_range = 0.0;           ///< share of the true silhouette that the laser looks at
   double true_fraction = 1.0;
-  double visible_fraction = 1.0;  ///< the monitor's
+  double visible_fraction = 1.0;  ///< the monitor's, as the others
+  double occluded_fraction = 0.0;
+  double unseen_fraction = 0.0;
 
   [[nodiscard]] double error() const { return visible_fraction - true_fraction; }
 };
