@@ -87,7 +87,8 @@ int main(int argc, char** argv) {
   CLI::App app("Closed-loop experiments with a simulated robot that obeys the monitor.", "trials");
   TrialOptions options;
   declare(app, options);
-  const std::vector<Experiment> experiments = {hoverExperiment(app), visibilityExperiment(app)};
+  const std::vector<Experiment> experiments = {hoverExperiment(app), visibilityExperiment(app),
+                                               governedExperiment(app)};
   try {
     app.parse(argc, argv);
     return run(chosen(experiments), options);

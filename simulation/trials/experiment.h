@@ -44,6 +44,7 @@ struct Experiment {
 /// Each declares its subcommand with its options.
 [[nodiscard]] Experiment hoverExperiment(CLI::App& app);
 [[nodiscard]] Experiment visibilityExperiment(CLI::App& app);
+[[nodiscard]] Experiment governedExperiment(CLI::App& app);
 
 /// The seed of a trial: those of one run differ by one, those of different runs by more.
 [[nodiscard]] std::uint64_t seedOf(const TrialOptions& options, std::size_t trial);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include "simulation/robot/dual_arm.h"
@@ -12,9 +13,8 @@
 namespace tccm::simulation {
 namespace {
 
-const std::vector<std::string> kLinks = {"left_elbow_link",       "right_elbow_link",
-                                         "left_wrist_pitch_link", "right_wrist_pitch_link",
-                                         "left_palm_link",        "right_palm_link"};
+constexpr double kReached = 0.005;  // [m] from a place is there
+constexpr double kThick = 0.06;     // [m] of a link around its middle
 
 GovernedTrial::Config validated(const GovernedTrial::Config& config) {
   config.validate();
@@ -38,6 +38,14 @@ Simulator::Config settingOf(const GovernedTrial::Config& config,
   return simulator;
 }
 
+/// @throws std::out_of_range where the link has none.
+std::size_t firstShape(const RobotModel& model, const std::string& link) {
+  for (std::size_t i = 0; i < model.shapes().size(); ++i) {
+    if (model.linkOf(i) == link) return i;
+  }
+  throw std::out_of_range("no shape of " + link);
+}
+
 }  // namespace
 
 void GovernedTrial::Config::validate() const {
@@ -54,7 +62,7 @@ GovernedTrial::GovernedTrial(const Config& config, const std::shared_ptr<const R
     : config_(validated(config)),
       simulation_(settingOf(config_, model, seed), config_.monitor, model),
       oracle_(config_.oracle, model) {
-  for (const std::string& link : kLinks) links_.push_back(linkIndex(*model, link));
+  for (const std::string& link : config_.links) shapes_.push_back(firstShape(*model, link));
   result_.seed = seed;
   result_.motion = config_.motion;
   simulation_.obey();
@@ -73,7 +81,7 @@ GovernedTrial::Result GovernedTrial::run() {
   while (simulator.now() < end) {
     if (simulation_.step()) note();
   }
-  for (std::size_t link = 0; link < links_.size(); ++link) judge(link);
+  for (std::size_t link = 0; link < shapes_.size(); ++link) judge(link);
   result_.simulated_s = toSeconds(simulator.now() - start);
   return result_;
 }
@@ -82,8 +90,9 @@ void GovernedTrial::note() {
   const RobotSample& robot = *simulation_.robot();
   oracle_.add(robot);
   Instant instant{robot.stamp, std::abs(simulation_.simulator().controller().speed()), {}};
-  for (const std::size_t link : links_) {
-    instant.points.push_back(robot.link_poses[link].translation());
+  for (const std::size_t i : shapes_) {
+    const LinkShape& shape = simulation_.simulator().model().shapes()[i];
+    instant.points.push_back(robot.link_poses[shape.link] * shape.T_link_shape.translation());
   }
   countTime(instant);
   instants_.push_back(std::move(instant));
@@ -115,9 +124,11 @@ void GovernedTrial::judge(std::size_t link) {
     const double elapsed_s = toSeconds(instants_[i + 1].stamp - instants_[i - 1].stamp);
     if (move.norm() < config_.slow_mps * elapsed_s) continue;
     const Vector3 ahead = instants_[i].points[link] + config_.distance_m * move.normalized();
+    if (oracle_.distanceToRobot(instants_[i].stamp, ahead) < config_.distance_m - kThick) continue;
     const Case one = caseAt(link, i, ahead, way);
     ++result_.cases;
     if (one.way_m > config_.distance_m) ++result_.violations;
+    if (one.left_m < kReached) ++result_.reached;
     if (one.way_m > result_.worst.way_m) result_.worst = one;
   }
 }
@@ -135,8 +146,15 @@ GovernedTrial::Case GovernedTrial::caseAt(std::size_t link, std::size_t i, const
   const double elapsed_s = toSeconds(instants_[k].stamp - instants_[k - 1].stamp);
   const double speed_mps = (way[k] - way[k - 1]) / elapsed_s;
   const double braking_s = found->speed_mps / config_.controller.acceleration_mps2;
-  Case one{now, simulation_.simulator().model().links()[links_[link]]};
-  one.way_m = way[k] - way[i] + 0.5 * speed_mps * braking_s;
+  Case one{now, config_.links[link]};
+  const double braking_m = 0.5 * speed_mps * braking_s;
+  one.way_m = way[k] - way[i] + braking_m;
+  one.left_m = config_.distance_m;
+  for (std::size_t j = i; j <= k; ++j) {
+    one.left_m = std::min(one.left_m, (instants_[j].points[link] - ahead).norm());
+  }
+  const bool approaches = (instants_[k].points[link] - ahead).norm() < one.left_m + 1e-6;
+  if (approaches) one.left_m = std::max(0.0, one.left_m - braking_m);
   one.looked = look.has_value();
   one.wait_s = toSeconds((look ? look->beam : brakes) - now);
   return one;

@@ -11,7 +11,8 @@
 namespace tccm::simulation {
 
 /// An arm that obeys a governed speed: whatever appears a distance ahead of a link, at any moment,
-/// must be seen and braked for before the link is there. The beams really measured say when.
+/// must be seen and braked for before the link is there. The beams really measured say when. What
+/// would appear nearer to another part of the robot, or inside of it, was not promised.
 class GovernedTrial {
  public:
   struct Config {
@@ -20,6 +21,10 @@ class GovernedTrial {
     std::string motion = "wander";  ///< or "reach_about"
     double speed_mps = 0.4;         ///< commanded, of the faster palm
     double duration_s = 20.0;
+    /// Watched.
+    std::vector<std::string> links = {
+        "left_elbow_link", "right_elbow_link", "left_wrist_pitch_link",  "right_wrist_pitch_link",
+        "left_palm_link",  "right_palm_link",  "left_inner_finger_link", "right_inner_finger_link"};
     double slow_mps = 0.005;  ///< what moves more slowly goes nowhere
     PathController::Config controller;
     LookOracle::Config oracle;
@@ -33,14 +38,16 @@ class GovernedTrial {
     Time stamp;
     std::string link;
     double way_m = 0.0;   ///< until it would stand
+    double left_m = 0.0;  ///< from its middle to the place, where it came nearest until then
     double wait_s = 0.0;  ///< until the first look at the place ahead
     bool looked = true;   ///< false: nobody did until the end
   };
   struct Result {
     std::uint64_t seed = 0;
     std::string motion;
-    std::size_t cases = 0;  ///< links in motion, at 100 Hz
-    std::size_t violations = 0;
+    std::size_t cases = 0;       ///< links in motion and nothing of the robot ahead, at 100 Hz
+    std::size_t violations = 0;  ///< of them went further than the distance
+    std::size_t reached = 0;     ///< of them came to the place
     Case worst;
     double way_m = 0.0;        ///< of the faster palm
     double permitted_s = 0.0;  ///< with a permission
@@ -60,7 +67,7 @@ class GovernedTrial {
   struct Instant {
     Time stamp;
     double speed_mps;             ///< of the faster palm
-    std::vector<Vector3> points;  ///< of the links watched, fixed frame [m]
+    std::vector<Vector3> points;  ///< middles of the links watched, fixed frame [m]
   };
   void note();
   void countTime(const Instant& instant);
@@ -73,7 +80,7 @@ class GovernedTrial {
   Config config_;
   MonitoredSimulation simulation_;
   LookOracle oracle_;
-  std::vector<std::size_t> links_;
+  std::vector<std::size_t> shapes_;  ///< the first of each link watched
   std::vector<Instant> instants_;
   bool permitted_ = false;  ///< as of the newest verdict, as the scale
   double scale_ = 0.0;

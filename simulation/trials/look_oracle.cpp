@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "simulation/robot/dual_arm.h"
@@ -38,26 +39,29 @@ std::optional<LookOracle::Look> LookOracle::firstLook(Time after, const Vector3&
   auto scan = std::partition_point(scans_.begin(), scans_.end(),
                                    [&](const Scan& s) { return lastBeam(s) <= after; });
   for (; scan != scans_.end(); ++scan) {
-    const std::optional<Time> beam = beamAt(*scan, p_fixed);
-    if (beam && *beam > after && !robotStops(*beam, p_fixed)) return Look{*beam, scan->mapped};
+    const std::optional<Time> beam = beamOf(*scan, after, p_fixed);
+    if (beam) return Look{*beam, scan->mapped};
   }
   return std::nullopt;
 }
 
-/// Of the beam that comes nearest to the place, where it comes near enough.
-std::optional<Time> LookOracle::beamAt(const Scan& scan, const Vector3& p_fixed) const {
-  const auto nearest = [&](double azimuth) {
-    const double index = std::round((azimuth - scan.angle_min) / scan.angle_increment);
-    return static_cast<std::size_t>(std::clamp(index, 0.0, static_cast<double>(scan.beams - 1)));
-  };
-  const auto timeOf = [&](std::size_t beam) {
-    return scan.stamp + static_cast<Duration::rep>(beam) * scan.time_increment;
-  };
-  const std::optional<double> about = azimuthAt(timeOf(scan.beams / 2), p_fixed);
-  if (!about) return std::nullopt;
-  const std::optional<double> azimuth = azimuthAt(timeOf(nearest(*about)), p_fixed);
-  if (!azimuth || !passes(scan, nearest(*azimuth), p_fixed)) return std::nullopt;
-  return timeOf(nearest(*azimuth));
+/// When the first beam of a scan is measured that looks at the place.
+std::optional<Time> LookOracle::beamOf(const Scan& scan, Time after, const Vector3& p_fixed) const {
+  const auto timeOf = [&](int beam) { return scan.stamp + beam * scan.time_increment; };
+  const int last = static_cast<int>(scan.beams) - 1;
+  int middle = last / 2;
+  for (int i = 0; i < 2; ++i) {
+    const std::optional<double> azimuth = azimuthAt(timeOf(middle), p_fixed);
+    if (!azimuth) return std::nullopt;
+    const double beam = std::round((*azimuth - scan.angle_min) / scan.angle_increment);
+    middle = static_cast<int>(std::clamp(beam, 0.0, static_cast<double>(last)));
+  }
+  const int within = static_cast<int>(std::ceil(config_.angle_rad / scan.angle_increment));
+  for (int beam = std::max(0, middle - within); beam <= std::min(last, middle + within); ++beam) {
+    const double angle = scan.angle_min + beam * scan.angle_increment;
+    if (timeOf(beam) > after && looks(timeOf(beam), angle, p_fixed)) return timeOf(beam);
+  }
+  return std::nullopt;
 }
 
 std::optional<double> LookOracle::azimuthAt(Time stamp, const Vector3& p_fixed) const {
@@ -67,28 +71,37 @@ std::optional<double> LookOracle::azimuthAt(Time stamp, const Vector3& p_fixed) 
   return std::atan2(p_sensor.y(), p_sensor.x());
 }
 
-bool LookOracle::passes(const Scan& scan, std::size_t beam, const Vector3& p_fixed) const {
-  const std::optional<Pose> T_fixed_sensor =
-      T_fixed_sensor_.at(scan.stamp + static_cast<Duration::rep>(beam) * scan.time_increment);
+bool LookOracle::looks(Time stamp, double angle, const Vector3& p_fixed) const {
+  const std::optional<Pose> T_fixed_sensor = T_fixed_sensor_.at(stamp);
   if (!T_fixed_sensor) return false;
-  const Vector3 p_sensor = T_fixed_sensor->inverse() * p_fixed;
-  const double angle = scan.angle_min + static_cast<double>(beam) * scan.angle_increment;
-  const Vector3 direction(std::cos(angle), std::sin(angle), 0.0);
-  return p_sensor.normalized().dot(direction) >= std::cos(config_.angle_rad);
+  const Vector3 way = p_fixed - T_fixed_sensor->translation();
+  const Ray ray{T_fixed_sensor->translation(),
+                T_fixed_sensor->linear() * Vector3(std::cos(angle), std::sin(angle), 0.0)};
+  return way.normalized().dot(ray.direction) >= std::cos(config_.angle_rad) &&
+         !robotStops(stamp, ray, way.norm());
 }
 
-/// As it was at the sample nearest to that instant. Its own housing does not stop the laser.
-bool LookOracle::robotStops(Time stamp, const Vector3& p_fixed) const {
+const Body& LookOracle::bodyAt(Time stamp) const {
   const auto after = std::partition_point(frames_.begin(), frames_.end(),
                                           [stamp](const Frame& f) { return f.stamp < stamp; });
-  const Frame& frame = after == frames_.end() ? frames_.back() : *after;
-  const Vector3 origin = T_fixed_sensor_.at(stamp)->translation();
-  const Vector3 way = p_fixed - origin;
-  const Ray ray{origin, way.normalized()};
-  for (std::size_t i = 0; i < frame.body.shapes.size(); ++i) {
-    const auto span =
-        intersect(frame.body.shapes[i], transformed(ray, frame.body.poses[i].inverse()));
-    if (span && span->enter > 0.0 && span->enter < way.norm()) return true;
+  return after == frames_.end() ? frames_.back().body : after->body;
+}
+
+double LookOracle::distanceToRobot(Time stamp, const Vector3& p_fixed) const {
+  const Body& body = bodyAt(stamp);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < body.shapes.size(); ++i) {
+    least = std::min(least, distance(body.shapes[i], body.poses[i].inverse() * p_fixed));
+  }
+  return least;
+}
+
+/// Its own housing does not stop the laser.
+bool LookOracle::robotStops(Time stamp, const Ray& ray, double before_m) const {
+  const Body& body = bodyAt(stamp);
+  for (std::size_t i = 0; i < body.shapes.size(); ++i) {
+    const auto span = intersect(body.shapes[i], transformed(ray, body.poses[i].inverse()));
+    if (span && span->enter > 0.0 && span->enter < before_m) return true;
   }
   return false;
 }

@@ -37,6 +37,8 @@ class LookOracle {
   /// The first beam after an instant that passes the place, and that the robot itself does not stop
   /// before. Nothing where there is none in what was added so far.
   [[nodiscard]] std::optional<Look> firstLook(Time after, const Vector3& p_fixed) const;
+  /// From the robot's nearest shape, as it was at the first sample not before the instant [m].
+  [[nodiscard]] double distanceToRobot(Time stamp, const Vector3& p_fixed) const;
 
  private:
   struct Scan {
@@ -50,10 +52,13 @@ class LookOracle {
     Time stamp;
     Body body;
   };
-  [[nodiscard]] std::optional<Time> beamAt(const Scan& scan, const Vector3& p_fixed) const;
+  [[nodiscard]] std::optional<Time> beamOf(const Scan& scan, Time after,
+                                           const Vector3& p_fixed) const;
   [[nodiscard]] std::optional<double> azimuthAt(Time stamp, const Vector3& p_fixed) const;
-  [[nodiscard]] bool passes(const Scan& scan, std::size_t beam, const Vector3& p_fixed) const;
-  [[nodiscard]] bool robotStops(Time stamp, const Vector3& p_fixed) const;
+  /// @param angle of a beam in the scan [rad].
+  [[nodiscard]] bool looks(Time stamp, double angle, const Vector3& p_fixed) const;
+  [[nodiscard]] const Body& bodyAt(Time stamp) const;
+  [[nodiscard]] bool robotStops(Time stamp, const Ray& ray, double before_m) const;
 
   Config config_;
   std::shared_ptr<const RobotModel> model_;

@@ -62,6 +62,16 @@ class TrialsTest(unittest.TestCase):
                     self.assertAlmostEqual(float(row["visible"]) - float(row["true_visible"]),
                                            float(row["difference"]), places=3)
 
+    def test_a_governed_speed_is_judged_and_tabulated(self):
+        _, results, rows = self.results("governed", "--minutes", "0.3", "--tilt-step-deg", "30")
+        self.assertEqual(len(rows), 1)
+        self.assertEqual(int(rows[0]["cases"]), results["figures"]["motions"]["cases"])
+        self.assertEqual([round(place["tilt_deg"], 6) for place in results["figures"]["places"]],
+                         [15.0, 45.0, 75.0])
+        _, free, _ = self.results("governed", "--minutes", "0.3", "--tilt-step-deg", "60", "--free",
+                                  out="free")
+        self.assertGreater(free["figures"]["motions"]["violations"], 0)
+
     def test_pictures_are_drawn(self):
         out = os.path.join(self.folder.name, "out")
         self.call("visibility", "--poses", "4", "--out", out)
