@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -23,6 +24,22 @@ TEST(TimeConversionTest, StampsKeepTheirNanoseconds) {
   EXPECT_EQ(toRos(Duration(-1500000000)).toSec(), -1.5);
 }
 
+/// Passes of every kind in some neighbouring rows.
+void lookAtRandom(test::Random& random, CuboidMap& map) {
+  map.looks.begin(map.stamp - fromSeconds(60.0), random.point(2.0));
+  const DirectionGrid& grid = map.looks.grid();
+  const auto ticks = [&random] { return static_cast<LookImage::Ticks>(random.integer(0, 60000)); };
+  const int first = random.integer(0, grid.rows() - 1);
+  for (int row = first; row < std::min(grid.rows(), first + 12); ++row) {
+    for (int column = 0; column < grid.columns(); ++column) {
+      for (LookImage::Pass& pass : map.looks.edit(row, column)) {
+        pass = {ticks(), ticks(), static_cast<std::uint16_t>(random.integer(0, 65535)),
+                static_cast<LookImage::End>(random.integer(0, 4)), random.chance(0.3)};
+      }
+    }
+  }
+}
+
 CuboidMap randomScene(test::Random& random) {
   Grid::Config grid;
   grid.origin_x_m = random.uniform(-2.0, 2.0);
@@ -38,8 +55,27 @@ CuboidMap randomScene(test::Random& random) {
   for (Cuboid& cuboid : map.cuboids) {
     cuboid.age_scans = static_cast<std::uint32_t>(random.integer(0, 1000));
     cuboid.dyn = cuboid.age_scans / 60;
+    cuboid.held = random.chance(0.2);
   }
+  map.tilt_stopped = random.chance(0.5);
+  map.look_period = fromSeconds(random.uniform(0.0, 3.0));
+  lookAtRandom(random, map);
   return map;
+}
+
+void expectSameLooks(const LookImage& a, const LookImage& b) {
+  EXPECT_EQ(a.grid().columns(), b.grid().columns());
+  EXPECT_EQ(a.viewpoint(), b.viewpoint());
+  EXPECT_EQ(a.epoch(), b.epoch());
+  ASSERT_EQ(a.grid().pixels(), b.grid().pixels());
+  for (std::size_t pixel = 0; pixel < a.grid().pixels(); ++pixel) {
+    for (std::size_t k = 0; k < LookImage::kPasses; ++k) {
+      const LookImage::Pass &c = a.passes(pixel)[k], &d = b.passes(pixel)[k];
+      ASSERT_EQ(std::tie(c.first, c.last, c.range_mm, c.end, c.moved),
+                std::tie(d.first, d.last, d.range_mm, d.end, d.moved))
+          << pixel;
+    }
+  }
 }
 
 void expectSame(const CuboidMap& a, const CuboidMap& b) {
@@ -57,14 +93,17 @@ void expectSame(const CuboidMap& a, const CuboidMap& b) {
   EXPECT_EQ(a.window, b.window);
   EXPECT_EQ(a.complete, b.complete);
   EXPECT_EQ(a.overflowed, b.overflowed);
+  EXPECT_EQ(a.tilt_stopped, b.tilt_stopped);
+  EXPECT_EQ(a.look_period, b.look_period);
+  expectSameLooks(a.looks, b.looks);
   EXPECT_EQ(a.thickness, b.thickness);
   EXPECT_EQ(a.viewpoint, b.viewpoint);
   EXPECT_EQ(a.cell_begin, b.cell_begin);
   ASSERT_EQ(a.cuboids.size(), b.cuboids.size());
   for (std::size_t i = 0; i < a.cuboids.size(); ++i) {
     const Cuboid &c = a.cuboids[i], &d = b.cuboids[i];
-    ASSERT_EQ(std::tie(c.cell, c.bottom, c.top, c.points, c.age_scans, c.dyn),
-              std::tie(d.cell, d.bottom, d.top, d.points, d.age_scans, d.dyn));
+    ASSERT_EQ(std::tie(c.cell, c.bottom, c.top, c.points, c.age_scans, c.dyn, c.held),
+              std::tie(d.cell, d.bottom, d.top, d.points, d.age_scans, d.dyn, d.held));
   }
 }
 
@@ -183,6 +222,32 @@ TEST_F(DefectiveMapTest, AThicknessThatIsNoneIsRefused) {
 
 TEST_F(DefectiveMapTest, AViewpointThatIsNotFiniteIsRefused) {
   message_.viewpoint.z = kNaN;
+  EXPECT_NE(defect(), "");
+}
+
+TEST_F(DefectiveMapTest, LooksThatAreNoneAreRefused) {
+  const tccm_monitor::CuboidMap whole = message_;
+  const auto columns = static_cast<std::size_t>(LookImage().grid().columns());
+  message_.looks.passes.resize(2 * columns);
+  EXPECT_EQ(defect(), "") << "a whole row";
+  message_.looks.passes.back().end = tccm_monitor::LookPass::UNCLEAR + 1;
+  EXPECT_NE(defect(), "");
+  message_.looks.passes.pop_back();
+  EXPECT_NE(defect(), "") << "no whole row";
+  message_ = whole;
+  message_.looks.passes.resize(2 * columns);
+  message_.looks.row_begin = static_cast<std::uint32_t>(LookImage().grid().rows());
+  EXPECT_NE(defect(), "") << "beyond the last row";
+  message_ = whole;
+  message_.looks.viewpoint.x = kNaN;
+  EXPECT_NE(defect(), "");
+  for (const double resolution : {kNaN, kInf, 0.0, -0.035, 1.0}) {
+    message_ = whole;
+    message_.looks.resolution = resolution;
+    EXPECT_NE(defect(), "") << resolution;
+  }
+  message_ = whole;
+  message_.look_period = ros::Duration(-1.0);
   EXPECT_NE(defect(), "");
 }
 
