@@ -22,7 +22,8 @@ COMPARED = 10  # maps
 
 def content(message):
     """All that is said of the scene, without what depends on how long the mapper has lived."""
-    return [(cuboid.cell, cuboid.top, cuboid.depth, cuboid.points) for cuboid in message.cuboids]
+    return [(cuboid.cell, cuboid.top, cuboid.depth, cuboid.points) for cuboid in message.cuboids
+            if not cuboid.held]
 
 
 def share_found(cuboid_map, other):
