@@ -98,21 +98,24 @@ const EvidenceCheck::Findings& EvidenceCheck::find(const CuboidMap& map, Time no
   std::fill(tallies_.begin(), tallies_.end(), Tally());
   unseen_.clear();
   const Vector3& viewpoint = map.looks.viewpoint();
+  radii_.clear();
+  for (const Shape& shape : now_body.shapes) radii_.push_back(boundingRadius(shape));
   for (std::size_t i = 0; i < now_body.shapes.size(); ++i) {
     if (slot_of_shape_[i] == kPassedOver) continue;
     // The sensor's own housing.
     if (distance(now_body.shapes[i], now_body.poses[i].inverse() * viewpoint) == 0.0) continue;
-    lookAlong(question, now_body.shapes[i], now_body.poses[i], end_body.poses[i],
-              tallies_[slot_of_shape_[i]]);
+    lookAlong(question, now_body, i, end_body.poses[i]);
   }
   sumUp(question, end_body);
   return findings_;
 }
 
-void EvidenceCheck::lookAlong(const Question& question, const Shape& shape, const Pose& T_fixed_now,
-                              const Pose& T_fixed_end, Tally& tally) {
+void EvidenceCheck::lookAlong(const Question& question, const Body& now_body, std::size_t i,
+                              const Pose& T_fixed_end) {
+  const Shape& shape = now_body.shapes[i];
+  const Pose& T_fixed_now = now_body.poses[i];
+  Tally& tally = tallies_[slot_of_shape_[i]];
   const Vector3 half = std::visit(HalfExtents(), shape);
-  const Pose T_now_fixed = T_fixed_now.inverse();
   const double volume_each = volume(shape) / (2.0 * kPlaces.size());
   lookAt(question, T_fixed_now.translation(), 0.0, tally);
   for (const Vector3& place : kPlaces) {
@@ -120,10 +123,19 @@ void EvidenceCheck::lookAlong(const Question& question, const Shape& shape, cons
     const Vector3 p_end = T_fixed_end * p_shape;
     const Vector3 p_halfway = 0.5 * (T_fixed_now * p_shape + p_end);
     for (const Vector3& p_fixed : {p_halfway, p_end}) {
-      const bool is_new = distance(shape, T_now_fixed * p_fixed) > 0.0;
-      lookAt(question, p_fixed, is_new ? volume_each : 0.0, tally);
+      lookAt(question, p_fixed, contains(now_body, p_fixed) ? 0.0 : volume_each, tally);
     }
   }
+}
+
+/// Where one part of the robot is now another finds nothing new.
+bool EvidenceCheck::contains(const Body& body, const Vector3& p_fixed) const {
+  for (std::size_t i = 0; i < body.shapes.size(); ++i) {
+    const Pose& pose = body.poses[i];
+    if ((p_fixed - pose.translation()).squaredNorm() > radii_[i] * radii_[i]) continue;
+    if (distance(body.shapes[i], pose.inverse() * p_fixed) == 0.0) return true;
+  }
+  return false;
 }
 
 void EvidenceCheck::lookAt(const Question& question, const Vector3& p_fixed, double new_volume,

@@ -87,6 +87,16 @@ TEST_F(EvidenceCheckTest, WhereNobodyLookedAllThatALinkGoesThroughIsUnseen) {
   EXPECT_FALSE(check_.unseenPlaces().empty());
 }
 
+TEST_F(EvidenceCheckTest, WhereAnotherPartOfTheRobotIsNowIsNothingNew) {
+  lookEverywhere({});
+  Body now = bodyAt(0.3, 0.3), end = bodyAt(0.42, 0.3);
+  now.poses[1] = end.poses[1] = placedAt(0.42, 0.0, 0.5);
+  now.shapes[1] = end.shapes[1] = Sphere{0.06};
+  const auto& found = check_.find(map_, at(10.5), now, end);
+  // At the way's end it is inside of the other; halfway a part of it is neither here nor there.
+  EXPECT_LT(found.links[0].new_volume_m3, 0.5 * 4.0 / 3.0 * M_PI * std::pow(0.05, 3));
+}
+
 TEST_F(EvidenceCheckTest, BehindASurfaceAndBehindTheRobotNothingIsSeen) {
   for (const auto end :
        {LookImage::End::kSurface, LookImage::End::kRobot, LookImage::End::kUnclear}) {

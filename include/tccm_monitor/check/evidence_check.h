@@ -85,8 +85,9 @@ class EvidenceCheck {
     Time now;
     Duration old, lost;  ///< ages from which evidence is that
   };
-  void lookAlong(const Question& question, const Shape& shape, const Pose& T_fixed_now,
-                 const Pose& T_fixed_end, Tally& tally);
+  void lookAlong(const Question& question, const Body& now_body, std::size_t i,
+                 const Pose& T_fixed_end);
+  [[nodiscard]] bool contains(const Body& body, const Vector3& p_fixed) const;
   /// @param new_volume that the place stands for; 0 where the link is there now.
   void lookAt(const Question& question, const Vector3& p_fixed, double new_volume, Tally& tally);
   void sumUp(const Question& question, const Body& end_body);
@@ -96,6 +97,7 @@ class EvidenceCheck {
   std::vector<std::size_t> slot_of_shape_;      ///< index into the findings' links, or kPassedOver
   std::vector<std::size_t> end_shape_of_slot_;  ///< the last of its shapes
   Findings findings_;
+  std::vector<double> radii_;   ///< of spheres around the body's shapes
   std::vector<Tally> tallies_;  ///< by slot
   std::vector<Vector3> unseen_;
 };
