@@ -308,6 +308,7 @@ class ThinWallTest : public test::CheckerFixture {
     addBlock(wall_, {Vector3(0.59, -0.2, 0.0), Vector3(0.62, 0.2, 1.0)});
     wall_.viewpoint = clear_.viewpoint;
     wall_.window = clear_.window;
+    test::lookAround(wall_);
     config_.pose.check_occlusion = false;
     remake();
   }

@@ -12,6 +12,7 @@ constexpr double kDegree = M_PI / 180.0;
 PlaceSpeeds::Config ungoverned() {
   PlaceSpeeds::Config config;
   config.monitor.mapper.map.grid.height_min_m = 0.1;
+  config.monitor.checker.evidence.unseen_fraction_max = 1.0;
   config.duration_s = 12.0;
   return config;
 }
