@@ -43,7 +43,7 @@ Checker::Checks::Checks(const std::shared_ptr<const RobotModel>& model, const Co
       state(now),
       way(model, config.pose, config.way),
       evidence(*model, config.evidence, now.collisionShapes(), config.pose.occlusion_use),
-      governed_speed(model, config.governed_speed, now.collisionShapes()),
+      governed_speed(model, config.governed_speed, evidence.shapes()),
       clearance(model, config.pose.collision_use, config.pose.collision, config.clearance_radius_m),
       trajectory(model, config.trajectoryCheck()),
       kinematics(model) {

@@ -79,6 +79,7 @@ EvidenceCheck::EvidenceCheck(const RobotModel& model, const Config& config,
     const auto slot = static_cast<std::size_t>(found - links.begin());
     slot_of_shape_.push_back(is_seen ? slot : kPassedOver);
     if (!is_seen) continue;
+    shapes_.push_back(body_shapes[i]);
     if (slot == links.size()) {
       links.emplace_back();
       links.back().link = link;

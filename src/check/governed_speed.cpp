@@ -144,12 +144,20 @@ void GovernedSpeed::notePlace(Track& track, Time now) const {
   track.places.push_back({track.p_fixed + ahead / speed * track.velocity, track.travelled_m, now});
 }
 
+/// A surface between the robot and the place is met before the place is, and is in the map: then
+/// that has to be looked at, not the place behind it.
+double GovernedSpeed::marginAt(const LookImage& looks, const Vector3& p_fixed) const {
+  const bool is_behind =
+      looks.at(p_fixed, config_.look_margin_m).kind == LookImage::Sight::Kind::kBehind;
+  return is_behind ? config_.appear_distance_m : config_.look_margin_m;
+}
+
 /// Places that a scan has seen since, and those that the point has left behind.
 void GovernedSpeed::forgetSeen(const CuboidMap& map, Track& track) const {
   const double far = 2.0 * (track.radius_m + config_.appear_distance_m);
   const auto isOver = [&](const Place& place) {
     if ((place.p_fixed - track.p_fixed).norm() > far) return true;
-    const LookImage::Sight sight = map.looks.at(place.p_fixed, config_.look_margin_m);
+    const LookImage::Sight sight = map.looks.at(place.p_fixed, marginAt(map.looks, place.p_fixed));
     return sight.kind == LookImage::Sight::Kind::kSeen && sight.stamp > place.since;
   };
   auto& places = track.places;
@@ -166,8 +174,8 @@ void GovernedSpeed::limit(const CuboidMap& map, Time now, const Track& track) {
       continue;
     }
     const double rest_m = config_.appear_distance_m - (track.travelled_m - place.travelled_m);
-    const auto next = map.looks.nextLook(place.p_fixed, config_.look_margin_m, now, map.look_period,
-                                         fromSeconds(late_s));
+    const auto next = map.looks.nextLook(place.p_fixed, marginAt(map.looks, place.p_fixed), now,
+                                         map.look_period, fromSeconds(late_s));
     const double until_s = next ? std::max(0.0, toSeconds(*next - now)) : kNoLook;
     const double allowed =
         speedFor(rest_m, until_s + delay_s_ + config_.reaction_time_s, config_.deceleration_mps2);

@@ -161,6 +161,16 @@ TEST_F(GovernedHand, LooksThatEndOnTheRobotAreNone) {
   EXPECT_LT(x_ - from, kDistance);
 }
 
+TEST_F(GovernedHand, OfASurfaceThatIsMetBeforeThePlaceTheLooksCount) {
+  run(2.0, 0.0, {0.0, 0.5});
+  const double from = x_;
+  for (int i = 0; i < 300; ++i) {
+    if (i % 50 == 0) look(0.92, LookImage::End::kSurface);
+    step(0.4);
+  }
+  EXPECT_GT(x_ - from, 2.0 * kDistance);
+}
+
 TEST_F(GovernedHand, WhatItMovesAwayFromDoesNotLimitIt) {
   run(2.0, 0.0, {0.0, 0.5});
   for (int i = 0; i < 1000; ++i) step(0.4);

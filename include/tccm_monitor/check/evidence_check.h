@@ -69,6 +69,8 @@ class EvidenceCheck {
   /// The reference is valid until the next call.
   const Findings& find(const CuboidMap& map, Time now, const Body& now_body, const Body& end_body);
   [[nodiscard]] const Findings& findings() const { return findings_; }
+  /// The model's shapes whose way should have been seen.
+  [[nodiscard]] const std::vector<std::size_t>& shapes() const { return shapes_; }
 
   /// Places of the last find() that the links go through and that were not seen [m, fixed frame].
   [[nodiscard]] const std::vector<Vector3>& unseenPlaces() const { return unseen_; }
@@ -94,6 +96,7 @@ class EvidenceCheck {
 
   static constexpr std::size_t kPassedOver = static_cast<std::size_t>(-1);
   Config config_;
+  std::vector<std::size_t> shapes_;
   std::vector<std::size_t> slot_of_shape_;      ///< index into the findings' links, or kPassedOver
   std::vector<std::size_t> end_shape_of_slot_;  ///< the last of its shapes
   Findings findings_;

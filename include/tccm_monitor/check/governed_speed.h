@@ -83,6 +83,7 @@ class GovernedSpeed {
             double applied_scale);
   void estimateCommand(Track& track, double seconds, double scale) const;
   void notePlace(Track& track, Time now) const;
+  [[nodiscard]] double marginAt(const LookImage& looks, const Vector3& p_fixed) const;
   void forgetSeen(const CuboidMap& map, Track& track) const;
   void limit(const CuboidMap& map, Time now, const Track& track);
   void noteDelay(const CuboidMap& map, Time now);
