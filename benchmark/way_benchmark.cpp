@@ -61,6 +61,7 @@ class Running {
     auto map = std::make_shared<CuboidMap>(map_);
     map->stamp = now_;
     ++map->serial;
+    test::refreshLooks(*map);
     std::vector<double> measured = positions_;
     std::uniform_real_distribution<double> noise(-1e-3, 1e-3);
     for (double& position : measured) position += noise(engine_);

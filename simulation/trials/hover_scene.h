@@ -14,7 +14,7 @@ struct HoverRanges {
   double gap_min_m = 0.06;  ///< between the hovering hand and the object
   double gap_max_m = 0.12;
   double noise_min_m = 0.003;  ///< standard deviation of a range
-  double noise_max_m = 0.008;
+  double noise_max_m = 0.01;
 
   /// @throws ConfigError
   void validate() const;

@@ -42,26 +42,32 @@ const OcclusionCheck::Result& OcclusionCheck::find(const CuboidMap& map, const B
   return result_;
 }
 
-OcclusionCheck::PixelSight OcclusionCheck::sightOf(const LookImage& looks,
-                                                   std::uint32_t pixel) const {
-  using Kind = LookImage::Sight::Kind;
-  const ZBuffer::Pixel& drawn = buffer_.pixelAt(pixel);
-  const bool same_grid = looks.grid().rows() == buffer_.rows();
-  const std::size_t index = same_grid ? pixel : looks.grid().pixelOf(buffer_.grid().middle(pixel));
-  const Kind kind = looks.at(index, static_cast<double>(drawn.depth), config_.margin_m).kind;
-  if (kind == Kind::kSeen) return PixelSight::kVisible;
-  if (kind == Kind::kBehind || drawn.covered) return PixelSight::kOccluded;
-  return PixelSight::kUnseen;
+/// As LookImage::at(), without its stamps.
+OcclusionCheck::PixelSight OcclusionCheck::sightOf(const LookImage& looks, std::size_t look_pixel,
+                                                   const ZBuffer::Pixel& drawn) const {
+  using End = LookImage::End;
+  const float least_mm = 1e3F * (drawn.depth - static_cast<float>(config_.margin_m));
+  for (const LookImage::Pass& pass : looks.passes(look_pixel)) {
+    if (pass.end == End::kNever) break;
+    if (pass.end == End::kUnclear) continue;
+    if (static_cast<float>(pass.range_mm) >= least_mm) return PixelSight::kVisible;
+    if (pass.end != End::kRobot) return PixelSight::kOccluded;
+  }
+  return drawn.covered ? PixelSight::kOccluded : PixelSight::kUnseen;
 }
 
 void OcclusionCheck::countPixels(const LookImage& looks) {
   for (LinkVisibility& link : result_.links) {
     link.silhouette = link.occluded_fraction = link.unseen_fraction = 0.0;
   }
+  const bool same_grid = looks.grid().rows() == buffer_.rows();
   for (const std::uint32_t pixel : buffer_.drawn()) {
-    LinkVisibility& link = result_.links[slot_of_shape_[buffer_.pixelAt(pixel).shape]];
+    const ZBuffer::Pixel& drawn = buffer_.pixelAt(pixel);
+    LinkVisibility& link = result_.links[slot_of_shape_[drawn.shape]];
     const double weight = buffer_.weightAt(pixel);
-    const PixelSight sight = sightOf(looks, pixel);
+    const std::size_t look_pixel =
+        same_grid ? pixel : looks.grid().pixelOf(buffer_.grid().middle(pixel));
+    const PixelSight sight = sightOf(looks, look_pixel, drawn);
     link.silhouette += weight;
     if (sight == PixelSight::kOccluded) link.occluded_fraction += weight;
     if (sight == PixelSight::kUnseen) link.unseen_fraction += weight;

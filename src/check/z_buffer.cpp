@@ -101,8 +101,10 @@ void ZBuffer::drawIn(const Window& window, const Solid& solid, const Pose& T_fix
   const double along_least = reach < 1.0 ? range * std::sqrt(1.0 - reach * reach) - 1e-9 : -range;
   // A ray's direction is its column's, level with the viewpoint, times the cosine of its row's
   // elevation, and upwards by the sine.
+  const int columns = grid_.columns();
+  const auto wrapped = [columns](int c) { return c < columns ? c : c - columns; };
   for (int c = window.column_begin; c < window.column_end; ++c) {
-    const auto column = static_cast<std::size_t>(grid_.wrapped(c));
+    const auto column = static_cast<std::size_t>(wrapped(c));
     const Eigen::Vector2d& level = grid_.columnMiddle(static_cast<int>(column));
     level_rays_[column] = {R_shape_fixed.leftCols<2>() * level, to_shape.head<2>().dot(level)};
   }
@@ -116,7 +118,7 @@ void ZBuffer::drawIn(const Window& window, const Solid& solid, const Pose& T_fix
     const auto level = static_cast<float>(cosine * (1.0 + 1e-6));
     bool any = false;
     for (int c = window.column_begin; c < window.column_end; ++c) {
-      const int column = grid_.wrapped(c);
+      const int column = wrapped(c);
       const LevelRay& ray = level_rays_[static_cast<std::size_t>(column)];
       Pixel& pixel = pixels[column];
       if (pixel.depth < depth_min || cosine * ray.along < along_level_least) continue;
@@ -194,11 +196,12 @@ double ZBuffer::depthOf(const Silhouette& s, int row) const {
 
 bool ZBuffer::cover(const Silhouette& s, double margin) {
   bool any = false;
+  const int columns = grid_.columns();
   for (int row = s.row_begin; row < s.row_end; ++row) {
     const auto limit = static_cast<float>(depthOf(s, row) + margin);
     Pixel* pixels = &pixels_[static_cast<std::size_t>(row * grid_.columns())];
     for (int c = s.column_begin; c < s.column_end; ++c) {
-      Pixel& pixel = pixels[grid_.wrapped(c)];
+      Pixel& pixel = pixels[c < columns ? c : c - columns];
       if (std::isinf(pixel.depth) || pixel.depth <= limit) continue;
       pixel.covered = true;
       any = true;

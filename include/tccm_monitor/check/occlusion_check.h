@@ -60,7 +60,8 @@ class OcclusionCheck {
   void drawFromNearToFar(const Vector3& viewpoint, const Body& body);
   void countPixels(const LookImage& looks);
   enum class PixelSight { kVisible, kOccluded, kUnseen };
-  [[nodiscard]] PixelSight sightOf(const LookImage& looks, std::uint32_t pixel) const;
+  [[nodiscard]] PixelSight sightOf(const LookImage& looks, std::size_t look_pixel,
+                                   const ZBuffer::Pixel& drawn) const;
 
   Config config_;
   std::vector<std::uint32_t> slot_of_shape_;  ///< index into result_.links
