@@ -5,32 +5,15 @@
 namespace tccm {
 namespace {
 
+using directions::kBins;
+
 constexpr double kPi = 3.14159265358979323846;
-constexpr int kBins = 4096;
-
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
-
-/// Rises with the angle of (x, y) like std::atan2, from -2 to 2, at a fraction of the cost: the
-/// place on the square |x| + |y| = 1.
-double squareAngle(double x, double y) {
-  const double quarter = y / (std::abs(x) + std::abs(y));
-  if (x >= 0.0) return quarter;
-  return y >= 0.0 ? 2.0 - quarter : -2.0 - quarter;
-}
 
 /// The direction at a square angle.
 Eigen::Vector2d squareDirection(double angle) {
   if (angle > 1.0) return {1.0 - angle, 2.0 - angle};
   if (angle < -1.0) return {1.0 + angle, -2.0 - angle};
   return {1.0 - std::abs(angle), angle};
-}
-
-/// Of kBins equal parts of the square angles from lowest to -lowest.
-std::size_t binOf(double angle, double lowest) {
-  const int bin = static_cast<int>((angle - lowest) * (kBins / (-2.0 * lowest)));
-  return static_cast<std::size_t>(std::clamp(bin, 0, kBins - 1));
 }
 
 /// Rounding must not put a direction at a bin's very start into a row or column too high.
@@ -69,41 +52,8 @@ int DirectionGrid::rowOf(double elevation) const {
   return std::clamp(row, 0, rows_ - 1);
 }
 
-int DirectionGrid::rowOfSlope(double level, double height) const {
-  int row = bin_rows_[binOf(squareAngle(level, height), -1.0)];
-  while (row + 1 < rows_ && height >= level * row_borders_[static_cast<std::size_t>(row + 1)]) {
-    ++row;
-  }
-  return row;
-}
-
 int DirectionGrid::columnOf(double azimuth) const {
   return static_cast<int>(std::floor((azimuth + kPi) / resolution_));
-}
-
-int DirectionGrid::columnOfDirection(const Eigen::Vector2d& direction) const {
-  int column = bin_columns_[binOf(squareAngle(direction.x(), direction.y()), -2.0)];
-  while (column + 1 < columns_ &&
-         cross(column_borders_[static_cast<std::size_t>(column + 1)], direction) >= 0.0) {
-    ++column;
-  }
-  return column;
-}
-
-int DirectionGrid::columnFrom(int column, const Eigen::Vector2d& direction) const {
-  const auto isLeftOf = [&](int border) {
-    return cross(column_borders_[static_cast<std::size_t>(border)], direction) >= 0.0;
-  };
-  const auto next = [this](int c) { return c + 1 < columns_ ? c + 1 : 0; };
-  while (!isLeftOf(column)) column = column > 0 ? column - 1 : columns_ - 1;
-  while (isLeftOf(next(column))) column = next(column);
-  return column;
-}
-
-std::size_t DirectionGrid::pixelOf(const Vector3& direction) const {
-  const double level = direction.head<2>().norm();
-  if (level == 0.0) return index(direction.z() < 0.0 ? 0 : rows_ - 1, 0);
-  return index(rowOfSlope(level, direction.z()), columnOfDirection(direction.head<2>()));
 }
 
 int DirectionGrid::columnsWithin(int row, double angle) const {

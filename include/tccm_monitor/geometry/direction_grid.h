@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -8,6 +9,31 @@
 #include "tccm_monitor/geometry/pose.h"
 
 namespace tccm {
+
+/// What follows is asked for each cuboid and each beam: it is inline for that.
+namespace directions {
+
+inline constexpr int kBins = 4096;
+
+inline double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+/// Rises with the angle of (x, y) like std::atan2, from -2 to 2, at a fraction of the cost: the
+/// place on the square |x| + |y| = 1.
+inline double squareAngle(double x, double y) {
+  const double quarter = y / (std::abs(x) + std::abs(y));
+  if (x >= 0.0) return quarter;
+  return y >= 0.0 ? 2.0 - quarter : -2.0 - quarter;
+}
+
+/// Of kBins equal parts of the square angles from lowest to -lowest.
+inline std::size_t binOf(double angle, double lowest) {
+  const int bin = static_cast<int>((angle - lowest) * (kBins / (-2.0 * lowest)));
+  return static_cast<std::size_t>(std::clamp(bin, 0, kBins - 1));
+}
+
+}  // namespace directions
 
 /// Directions in the fixed frame as pixels of equal steps in azimuth (about z) and elevation (over
 /// the xy plane): a tilting scanner sees further round than a plane can show. Rows go from straight
@@ -79,5 +105,40 @@ class DirectionGrid {
   std::vector<int> bin_rows_;
   std::vector<int> bin_columns_;
 };
+
+inline int DirectionGrid::rowOfSlope(double level, double height) const {
+  int row = bin_rows_[directions::binOf(directions::squareAngle(level, height), -1.0)];
+  while (row + 1 < rows_ && height >= level * row_borders_[static_cast<std::size_t>(row + 1)]) {
+    ++row;
+  }
+  return row;
+}
+
+inline int DirectionGrid::columnOfDirection(const Eigen::Vector2d& direction) const {
+  int column =
+      bin_columns_[directions::binOf(directions::squareAngle(direction.x(), direction.y()), -2.0)];
+  while (column + 1 < columns_ &&
+         directions::cross(column_borders_[static_cast<std::size_t>(column + 1)], direction) >=
+             0.0) {
+    ++column;
+  }
+  return column;
+}
+
+inline int DirectionGrid::columnFrom(int column, const Eigen::Vector2d& direction) const {
+  const auto isLeftOf = [&](int border) {
+    return directions::cross(column_borders_[static_cast<std::size_t>(border)], direction) >= 0.0;
+  };
+  const auto next = [this](int c) { return c + 1 < columns_ ? c + 1 : 0; };
+  while (!isLeftOf(column)) column = column > 0 ? column - 1 : columns_ - 1;
+  while (isLeftOf(next(column))) column = next(column);
+  return column;
+}
+
+inline std::size_t DirectionGrid::pixelOf(const Vector3& direction) const {
+  const double level = direction.head<2>().norm();
+  if (level == 0.0) return index(direction.z() < 0.0 ? 0 : rows_ - 1, 0);
+  return index(rowOfSlope(level, direction.z()), columnOfDirection(direction.head<2>()));
+}
 
 }  // namespace tccm
