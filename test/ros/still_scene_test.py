@@ -103,7 +103,7 @@ class StillSceneTest(unittest.TestCase):
 
     def test_no_more_and_no_less_is_in_it(self):
         self.assertIsNotNone(self.now)
-        self.assertAlmostEqual(len(self.later.cuboids) / len(self.now.cuboids), 1.0, delta=0.1)
+        self.assertAlmostEqual(len(content(self.later)) / len(content(self.now)), 1.0, delta=0.1)
         self.assertAlmostEqual(self.later.window_scans / self.now.window_scans, 1.0, delta=0.1)
 
     def test_all_mappers_hear_the_same_clouds(self):
