@@ -26,6 +26,7 @@ OcclusionCheck::OcclusionCheck(const Config& config, std::vector<std::uint32_t> 
     }
   }
   order_.reserve(link_of_shape.size());
+  sights_.reserve(buffer_.grid().pixels());
 }
 
 const OcclusionCheck::Result& OcclusionCheck::find(const CuboidMap& map, const Body& body) {
@@ -34,11 +35,14 @@ const OcclusionCheck::Result& OcclusionCheck::find(const CuboidMap& map, const B
   result_.cuboids.clear();
   result_.cuboids.reserve(map.cuboids.capacity());
   drawFromNearToFar(viewpoint, body);
-  for (std::uint32_t k = 0; k < map.cuboids.size(); ++k) {
-    const auto silhouette = buffer_.silhouette(map, k);
-    if (silhouette && buffer_.cover(*silhouette, config_.margin_m)) result_.cuboids.push_back(k);
+  askLooks(map.looks);
+  if (buffer_.canBeCovered()) {
+    for (std::uint32_t k = 0; k < map.cuboids.size(); ++k) {
+      const auto silhouette = buffer_.silhouette(map, k);
+      if (silhouette && buffer_.cover(*silhouette, config_.margin_m)) result_.cuboids.push_back(k);
+    }
   }
-  countPixels(map.looks);
+  countPixels();
   return result_;
 }
 
@@ -53,24 +57,33 @@ OcclusionCheck::PixelSight OcclusionCheck::sightOf(const LookImage& looks, std::
     if (static_cast<float>(pass.range_mm) >= least_mm) return PixelSight::kVisible;
     if (pass.end != End::kRobot) return PixelSight::kOccluded;
   }
-  return drawn.covered ? PixelSight::kOccluded : PixelSight::kUnseen;
+  return PixelSight::kUnseen;
 }
 
-void OcclusionCheck::countPixels(const LookImage& looks) {
+void OcclusionCheck::askLooks(const LookImage& looks) {
+  const bool same_grid = looks.grid().rows() == buffer_.rows();
+  sights_.clear();
+  for (const std::uint32_t pixel : buffer_.drawn()) {
+    const std::size_t look_pixel =
+        same_grid ? pixel : looks.grid().pixelOf(buffer_.grid().middle(pixel));
+    sights_.push_back(sightOf(looks, look_pixel, buffer_.pixelAt(pixel)));
+    if (sights_.back() == PixelSight::kVisible) buffer_.markSeen(pixel);
+  }
+}
+
+void OcclusionCheck::countPixels() {
   for (LinkVisibility& link : result_.links) {
     link.silhouette = link.occluded_fraction = link.unseen_fraction = 0.0;
   }
-  const bool same_grid = looks.grid().rows() == buffer_.rows();
-  for (const std::uint32_t pixel : buffer_.drawn()) {
+  for (std::size_t i = 0; i < sights_.size(); ++i) {
+    const std::uint32_t pixel = buffer_.drawn()[i];
     const ZBuffer::Pixel& drawn = buffer_.pixelAt(pixel);
     LinkVisibility& link = result_.links[slot_of_shape_[drawn.shape]];
     const double weight = buffer_.weightAt(pixel);
-    const std::size_t look_pixel =
-        same_grid ? pixel : looks.grid().pixelOf(buffer_.grid().middle(pixel));
-    const PixelSight sight = sightOf(looks, look_pixel, drawn);
     link.silhouette += weight;
-    if (sight == PixelSight::kOccluded) link.occluded_fraction += weight;
-    if (sight == PixelSight::kUnseen) link.unseen_fraction += weight;
+    if (sights_[i] == PixelSight::kVisible) continue;
+    const bool is_occluded = sights_[i] == PixelSight::kOccluded || drawn.covered;
+    (is_occluded ? link.occluded_fraction : link.unseen_fraction) += weight;
   }
   for (LinkVisibility& link : result_.links) {
     if (link.silhouette > 0.0) {

@@ -14,7 +14,7 @@ using view::cornerBounds;
 using view::Entry;
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr ZBuffer::Pixel kEmpty{std::numeric_limits<float>::infinity(), 0, false};
+constexpr ZBuffer::Pixel kEmpty{std::numeric_limits<float>::infinity(), 0, false, false};
 
 constexpr int kNarrow = 2;  // columns on either side of its middle that most cuboids reach at most
 
@@ -34,11 +34,7 @@ void ZBuffer::begin(const Vector3& viewpoint) {
   viewpoint_ = viewpoint;
   for (const std::uint32_t index : drawn_) pixels_[index] = kEmpty;
   drawn_.clear();
-  std::fill(column_farthest_.begin(), column_farthest_.end(), 0.0F);
-  neighbours_known_ = false;
-  farthest_ = 0.0F;
-  lowest_row_ = grid_.rows();
-  highest_row_ = -1;
+  columns_known_ = false;
 }
 
 ZBuffer::Window ZBuffer::windowOf(const Shape& shape, const Pose& T_fixed_shape) const {
@@ -72,11 +68,29 @@ void ZBuffer::draw(const Shape& shape, const Pose& T_fixed_shape, std::uint32_t 
   const auto depth_min = static_cast<float>(nearest * (1.0 - 1e-6));
   std::visit([&](const auto& solid) { drawIn(window, solid, T_fixed_shape, index, depth_min); },
              shape);
-  neighbours_known_ = false;
+  columns_known_ = false;
 }
 
-void ZBuffer::findNeighbours() {
+void ZBuffer::findColumns() {
   constexpr int kMargin = kNarrow + 1;
+  std::fill(column_farthest_.begin(), column_farthest_.end(), 0.0F);
+  lowest_row_ = grid_.rows();
+  highest_row_ = -1;
+  for (const std::uint32_t index : drawn_) {
+    const Pixel& pixel = pixels_[index];
+    if (pixel.seen) continue;
+    const int row = grid_.rowOfPixel(index);
+    const int column = static_cast<int>(index) - row * grid_.columns();
+    // Rounded up, so that nothing is left out that stands just in front.
+    const auto level = static_cast<float>(grid_.cosine(row) * (1.0 + 1e-6));
+    float& farthest = column_farthest_[static_cast<std::size_t>(column)];
+    farthest = std::max(farthest, pixel.depth * level);
+    lowest_row_ = std::min(lowest_row_, row);
+    highest_row_ = std::max(highest_row_, row);
+  }
+  farthest_ = *std::max_element(column_farthest_.begin(), column_farthest_.end());
+  columns_known_ = true;
+  if (farthest_ == 0.0F) return;
   for (int c = 0; c < grid_.columns(); ++c) {
     float farthest = 0.0F;
     for (int k = c - kMargin; k <= c + kMargin; ++k) {
@@ -84,9 +98,7 @@ void ZBuffer::findNeighbours() {
       farthest = std::max(farthest, column_farthest_[static_cast<std::size_t>(column)]);
     }
     neighbours_farthest_[static_cast<std::size_t>(c)] = farthest;
-    farthest_ = std::max(farthest_, farthest);
   }
-  neighbours_known_ = true;
 }
 
 template <typename Solid>
@@ -114,9 +126,6 @@ void ZBuffer::drawIn(const Window& window, const Solid& solid, const Pose& T_fix
     const double sine = grid_.sine(row);
     const Vector3 upwards = R_shape_fixed.col(2) * sine;
     const double along_level_least = along_least - to_shape.z() * sine;
-    // Rounded up, so that nothing is left out that stands just in front.
-    const auto level = static_cast<float>(cosine * (1.0 + 1e-6));
-    bool any = false;
     for (int c = window.column_begin; c < window.column_end; ++c) {
       const int column = wrapped(c);
       const LevelRay& ray = level_rays_[static_cast<std::size_t>(column)];
@@ -128,19 +137,13 @@ void ZBuffer::drawIn(const Window& window, const Solid& solid, const Pose& T_fix
       if (std::isinf(pixel.depth)) {
         drawn_.push_back(static_cast<std::uint32_t>(&pixel - pixels_.data()));
       }
-      pixel = {depth, index, false};
-      float& farthest = column_farthest_[static_cast<std::size_t>(column)];
-      farthest = std::max(farthest, depth * level);
-      any = true;
+      pixel = {depth, index, false, false};
     }
-    if (!any) continue;
-    lowest_row_ = std::min(lowest_row_, row);
-    highest_row_ = std::max(highest_row_, row);
   }
 }
 
 std::optional<ZBuffer::Silhouette> ZBuffer::silhouette(const CuboidMap& map, std::uint32_t cuboid) {
-  if (!neighbours_known_) findNeighbours();
+  if (!canBeCovered()) return std::nullopt;
   const Cuboid& c = map.cuboids[cuboid];
   const Eigen::Vector2d centre = map.grid.centre(c.cell) - viewpoint_.head<2>();
   const double half_diagonal = std::sqrt(0.5) * map.grid.config().cell_size_m;
@@ -202,7 +205,7 @@ bool ZBuffer::cover(const Silhouette& s, double margin) {
     Pixel* pixels = &pixels_[static_cast<std::size_t>(row * grid_.columns())];
     for (int c = s.column_begin; c < s.column_end; ++c) {
       Pixel& pixel = pixels[c < columns ? c : c - columns];
-      if (std::isinf(pixel.depth) || pixel.depth <= limit) continue;
+      if (std::isinf(pixel.depth) || pixel.depth <= limit || pixel.seen) continue;
       pixel.covered = true;
       any = true;
     }

@@ -41,7 +41,7 @@ class OcclusionCheck {
 
   struct Result {
     std::vector<LinkVisibility> links;   ///< in the order of the links handed over
-    std::vector<std::uint32_t> cuboids;  ///< those that hide a part of any link
+    std::vector<std::uint32_t> cuboids;  ///< those that a part of any link is hidden behind
     [[nodiscard]] const LinkVisibility* worst() const;
   };
 
@@ -58,8 +58,10 @@ class OcclusionCheck {
 
  private:
   void drawFromNearToFar(const Vector3& viewpoint, const Body& body);
-  void countPixels(const LookImage& looks);
-  enum class PixelSight { kVisible, kOccluded, kUnseen };
+  enum class PixelSight : std::uint8_t { kVisible, kOccluded, kUnseen };
+  void askLooks(const LookImage& looks);
+  void countPixels();
+  /// Unseen: cuboids must tell.
   [[nodiscard]] PixelSight sightOf(const LookImage& looks, std::size_t look_pixel,
                                    const ZBuffer::Pixel& drawn) const;
 
@@ -68,6 +70,7 @@ class OcclusionCheck {
   ZBuffer buffer_;
   Result result_;
   std::vector<std::pair<double, std::uint32_t>> order_;  ///< distance of each shape, reused
+  std::vector<PixelSight> sights_;  ///< what the looks say of each pixel that is drawn, reused
 };
 
 }  // namespace tccm

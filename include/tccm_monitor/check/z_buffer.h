@@ -30,18 +30,29 @@ class ZBuffer {
     float depth;          ///< to the nearest primitive [m]; infinite where there is none
     std::uint32_t shape;  ///< that primitive
     bool covered;         ///< a cuboid lies in front of it
+    bool seen;            ///< no cuboid is asked to cover it
   };
 
   /// Empties the picture and moves the camera.
   void begin(const Vector3& viewpoint);
   /// Draws a primitive where it is the nearest. One that contains the viewpoint is left out.
   void draw(const Shape& shape, const Pose& T_fixed_shape, std::uint32_t index);
-  /// Covers the pixels that the cuboid lies in front of by more than the margin [m].
+  /// The sensor saw as far as to what a pixel shows: whether a cuboid covers it does not matter.
+  void markSeen(std::uint32_t pixel) {
+    pixels_[pixel].seen = true;
+    columns_known_ = false;
+  }
+  /// Covers the pixels not seen that the cuboid lies in front of by more than the margin [m].
   /// Every pixel the cuboid reaches into counts: scans are sparser than pixels.
   /// @return whether it covers any.
   bool cover(const Silhouette& silhouette, double margin);
 
-  /// Nothing where the cuboid lies in front of nothing that is drawn.
+  /// Whether there is a pixel that a cuboid could cover.
+  [[nodiscard]] bool canBeCovered() {
+    if (!columns_known_) findColumns();
+    return farthest_ > 0.0F;
+  }
+  /// Nothing where the cuboid lies in front of nothing that is drawn and not seen.
   [[nodiscard]] std::optional<Silhouette> silhouette(const CuboidMap& map, std::uint32_t cuboid);
 
   [[nodiscard]] const DirectionGrid& grid() const { return grid_; }
@@ -62,7 +73,7 @@ class ZBuffer {
   struct Window {
     int row_begin, row_end, column_begin, column_end;  ///< columns as in Silhouette
   };
-  void findNeighbours();
+  void findColumns();
   /// A ray at elevation 0.
   struct LevelRay {
     Vector3 direction;  ///< in the shape's frame
@@ -83,13 +94,13 @@ class ZBuffer {
   std::vector<Pixel> pixels_;
   std::vector<LevelRay> level_rays_;  ///< of each column, for the shape being drawn
   std::vector<std::uint32_t> drawn_;
-  // Horizontal distance of the farthest that is drawn, in each column and in all [m]; 0 for
-  // nothing.
+  // Horizontal distance of the farthest that is drawn and not seen, in each column and in all [m];
+  // 0 for nothing.
   std::vector<float> column_farthest_;
   std::vector<float> neighbours_farthest_;  ///< of a column and some to either side
-  bool neighbours_known_ = false;
+  bool columns_known_ = false;
   float farthest_ = 0.0F;
-  int lowest_row_ = 0;  ///< of all that is drawn
+  int lowest_row_ = 0;  ///< of all that is drawn and not seen
   int highest_row_ = -1;
 };
 
