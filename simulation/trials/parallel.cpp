@@ -28,14 +28,15 @@ class Queue {
     }
   }
 
-  /// Until nothing is left to be done.
+  /// Until nothing is left to be done. What was done before anybody watched is told too.
   void watch(const std::function<void(double)>& progress) {
-    for (std::unique_lock lock(mutex_); !failure_ && done_ < count_;) {
-      const std::size_t seen = done_;
-      changed_.wait(lock, [&] { return done_ != seen; });
-      const double share = static_cast<double>(done_) / static_cast<double>(count_);
+    std::size_t told = 0;
+    for (std::unique_lock lock(mutex_); told < count_;) {
+      changed_.wait(lock, [&] { return done_ != told || failure_; });
+      if (failure_) return;
+      told = done_;
       lock.unlock();
-      if (progress) progress(share);
+      if (progress) progress(static_cast<double>(told) / static_cast<double>(count_));
       lock.lock();
     }
   }

@@ -140,6 +140,7 @@ TEST_F(CheckAllocatesNothingTest, WhenSomethingComesToHideAPartOfAnArm) {
   allocationsOver(kWarm);
   EXPECT_EQ(hiding_, 0U);
   test::addBlock(map_, {Vector3(0.30, 0.16, 1.12), Vector3(0.32, 0.20, 1.14)}, 3);
+  test::lookAround(map_);
   EXPECT_EQ(allocationsOver(3.0 * kPeriod), 0);
   EXPECT_GT(hiding_, 0U);
 }
