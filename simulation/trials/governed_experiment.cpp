@@ -23,7 +23,7 @@ struct GovernedOptions {
   GovernedTrial::Config trial;
   std::size_t phases = 12;
   double minutes = 10.0;
-  double look_angle_deg = 1.5;
+  double look_angle_deg = 2.0;
   double tilt_step_deg = 5.0;
   std::string links = "hands";
   bool free = false;
@@ -94,7 +94,8 @@ std::vector<Place> placesOf(const GovernedOptions& options) {
   LookSchedule::Config config;
   config.angle_rad = options.look_angle_deg * kDegree;
   std::vector<Place> places;
-  for (double deg = least; deg <= most + 1e-6; deg += options.tilt_step_deg) {
+  // In the middles of equal parts: at the range's ends half of a hand is beyond it.
+  for (double deg = least + 0.5 * options.tilt_step_deg; deg < most; deg += options.tilt_step_deg) {
     Place place;
     place.tilt_deg = deg;
     place.longest_gap_s = LookSchedule(config, deg * kDegree).longestGap();
@@ -206,8 +207,10 @@ Findings runGoverned(GovernedOptions options, const TrialOptions& common,
       options.free ? 0.0 : options.trial.distance_m;
   GovernedTrial::Config& trial = options.trial;
   if (options.links == "hands") {
-    settings.checker.checker.pose.collision_use.links = {"*_wrist_pitch_link", "*_wrist_roll_link",
-                                                         "*_palm_link", "*_finger_link"};
+    const std::vector<std::string> hands = {"*_wrist_pitch_link", "*_wrist_roll_link",
+                                            "*_palm_link", "*_finger_link"};
+    settings.checker.checker.pose.collision_use.links = hands;
+    settings.checker.checker.evidence.links = hands;
     trial.links.erase(trial.links.begin(), trial.links.begin() + 2);  // elbows
   }
   trial.monitor = settings.monitorConfig();

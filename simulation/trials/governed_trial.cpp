@@ -14,7 +14,7 @@ namespace tccm::simulation {
 namespace {
 
 constexpr double kReached = 0.005;  // [m] from a place is there
-constexpr double kThick = 0.06;     // [m] of a link around its middle
+constexpr double kNearer = 0.01;    // [m] by which another part of the robot may be to the place
 
 GovernedTrial::Config validated(const GovernedTrial::Config& config) {
   config.validate();
@@ -123,8 +123,11 @@ void GovernedTrial::judge(std::size_t link) {
     const Vector3 move = instants_[i + 1].points[link] - instants_[i - 1].points[link];
     const double elapsed_s = toSeconds(instants_[i + 1].stamp - instants_[i - 1].stamp);
     if (move.norm() < config_.slow_mps * elapsed_s) continue;
-    const Vector3 ahead = instants_[i].points[link] + config_.distance_m * move.normalized();
-    if (oracle_.distanceToRobot(instants_[i].stamp, ahead) < config_.distance_m - kThick) continue;
+    const Vector3 direction = move.normalized();
+    const Vector3 front = oracle_.furthest(instants_[i].stamp, shapes_[link], direction);
+    const Vector3 ahead = front + config_.distance_m * direction;
+    const double least_m = config_.distance_m - kNearer;
+    if (oracle_.distanceToRobot(instants_[i].stamp, ahead) < least_m) continue;
     const Case one = caseAt(link, i, ahead, way);
     ++result_.cases;
     if (one.way_m > config_.distance_m) ++result_.violations;
@@ -148,13 +151,19 @@ GovernedTrial::Case GovernedTrial::caseAt(std::size_t link, std::size_t i, const
   const double braking_s = found->speed_mps / config_.controller.acceleration_mps2;
   Case one{now, config_.links[link]};
   const double braking_m = 0.5 * speed_mps * braking_s;
-  one.way_m = way[k] - way[i] + braking_m;
   one.left_m = config_.distance_m;
+  const auto leftAt = [&](std::size_t j) {
+    return oracle_.distanceTo(instants_[j].stamp, shapes_[link], ahead);
+  };
+  // What it turns away from is not ahead any more.
   for (std::size_t j = i; j <= k; ++j) {
-    one.left_m = std::min(one.left_m, (instants_[j].points[link] - ahead).norm());
+    const double left_m = leftAt(j);
+    if (left_m > one.left_m) continue;
+    one.left_m = left_m;
+    one.way_m = way[j] - way[i];
+    if (j == k) one.way_m += braking_m;
   }
-  const bool approaches = (instants_[k].points[link] - ahead).norm() < one.left_m + 1e-6;
-  if (approaches) one.left_m = std::max(0.0, one.left_m - braking_m);
+  if (leftAt(k) <= one.left_m) one.left_m = std::max(0.0, one.left_m - braking_m);
   one.looked = look.has_value();
   one.wait_s = toSeconds((look ? look->beam : brakes) - now);
   return one;

@@ -37,8 +37,8 @@ class GovernedTrial {
   struct Case {
     Time stamp;
     std::string link;
-    double way_m = 0.0;   ///< until it would stand
-    double left_m = 0.0;  ///< from its middle to the place, where it came nearest until then
+    double way_m = 0.0;   ///< until it would stand, or turned away from the place
+    double left_m = 0.0;  ///< from it to the place, where it came nearest until then
     double wait_s = 0.0;  ///< until the first look at the place ahead
     bool looked = true;   ///< false: nobody did until the end
   };

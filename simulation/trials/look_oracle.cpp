@@ -7,6 +7,7 @@
 
 #include "simulation/robot/dual_arm.h"
 #include "tccm_monitor/config_error.h"
+#include "tccm_monitor/geometry/distance.h"
 
 namespace tccm::simulation {
 
@@ -94,6 +95,16 @@ double LookOracle::distanceToRobot(Time stamp, const Vector3& p_fixed) const {
     least = std::min(least, distance(body.shapes[i], body.poses[i].inverse() * p_fixed));
   }
   return least;
+}
+
+Vector3 LookOracle::furthest(Time stamp, std::size_t shape, const Vector3& direction) const {
+  const Body& body = bodyAt(stamp);
+  return tccm::furthest(body.shapes[shape], body.poses[shape], direction);
+}
+
+double LookOracle::distanceTo(Time stamp, std::size_t shape, const Vector3& p_fixed) const {
+  const Body& body = bodyAt(stamp);
+  return distance(body.shapes[shape], body.poses[shape].inverse() * p_fixed);
 }
 
 /// Its own housing does not stop the laser.

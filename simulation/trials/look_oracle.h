@@ -15,7 +15,8 @@ namespace tccm::simulation {
 class LookOracle {
  public:
   struct Config {
-    double angle_rad = 0.0261799;  ///< a beam this near to a place looks at it: 1.5 degrees
+    /// A beam this near to a place looks at it: 2 degrees, half of what scans are apart and a bit.
+    double angle_rad = 0.0349066;
 
     /// @throws ConfigError
     void validate() const;
@@ -39,6 +40,10 @@ class LookOracle {
   [[nodiscard]] std::optional<Look> firstLook(Time after, const Vector3& p_fixed) const;
   /// From the robot's nearest shape, as it was at the first sample not before the instant [m].
   [[nodiscard]] double distanceToRobot(Time stamp, const Vector3& p_fixed) const;
+  /// The same from one of the model's shapes.
+  [[nodiscard]] double distanceTo(Time stamp, std::size_t shape, const Vector3& p_fixed) const;
+  /// A shape's point furthest in a direction, at the same sample [fixed frame, m].
+  [[nodiscard]] Vector3 furthest(Time stamp, std::size_t shape, const Vector3& direction) const;
 
  private:
   struct Scan {

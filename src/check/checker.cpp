@@ -67,6 +67,7 @@ Checker::Checker(std::shared_ptr<const RobotModel> model, const Config& config)
 void Checker::reconfigure(const Config& config) {
   config.validate();
   Checks checks(model_, config);
+  checks.governed_speed.takeOver(checks_.governed_speed);
   permission_.reconfigure(config.permission);
   inputs_.reconfigure(config.inputs);
   config_ = config;
@@ -77,6 +78,7 @@ void Checker::reconfigure(const Config& config) {
 void Checker::hold(std::vector<AttachedObject> objects) {
   auto model = std::make_shared<const RobotModel>(bare_model_->holding(objects));
   Checks checks(model, config_);
+  checks.governed_speed.takeOver(checks_.governed_speed);
   model_ = std::move(model);
   attached_ = std::move(objects);
   checks_ = std::move(checks);

@@ -16,6 +16,7 @@ constexpr double kDelayForgotten = 0.99;   // kept of the longest delay at each 
 constexpr double kNoLook = 30.0;           // [s] that what is left of the way has to last
 constexpr double kLateShare = 0.15;        // of a period that a look may be overdue by
 constexpr double kAheadCosine = 0.3;       // of the angle between velocity and place
+constexpr double kSameWay = 0.8;           // of a point's speed, by another towards the same place
 constexpr std::size_t kPlacesMax = 128;    // of one point
 
 /// Points to watch, on the primitive's axis, and its radius there.
@@ -83,6 +84,23 @@ void GovernedSpeed::startAnew() {
   }
 }
 
+void GovernedSpeed::takeOver(const GovernedSpeed& before) {
+  if (before.config_.appear_distance_m != config_.appear_distance_m) return;
+  for (Track& track : tracks_) {
+    const auto same = std::find_if(
+        before.tracks_.begin(), before.tracks_.end(), [&track](const Track& other) {
+          return other.shape == track.shape && other.p_shape == track.p_shape;
+        });
+    if (same == before.tracks_.end()) continue;
+    track = *same;
+    track.places.reserve(kPlacesMax);
+  }
+  last_ = before.last_;
+  serial_ = before.serial_;
+  delay_s_ = before.delay_s_;
+  scale_lately_ = before.scale_lately_;
+}
+
 const GovernedSpeed::Limit& GovernedSpeed::find(const CuboidMap& map, Time now,
                                                 const JointSnapshot& joints,
                                                 const std::vector<Pose>& T_fixed_roots,
@@ -121,8 +139,8 @@ void GovernedSpeed::move(Time now, const JointSnapshot& joints,
     track.p_fixed = p_fixed;
     track.velocity = (soon - p_fixed) / kSoon;
     estimateCommand(track, seconds, scale_lately_);
-    notePlace(track, now);
   }
+  for (Track& track : tracks_) notePlace(track, now);
 }
 
 /// The fastest that it was lately, at the scale that it then had.
@@ -139,9 +157,26 @@ void GovernedSpeed::notePlace(Track& track, Time now) const {
   const bool is_due = track.places.empty() ||
                       track.travelled_m - track.places.back().travelled_m >= config_.place_step_m;
   if (!is_due) return;
-  if (track.places.size() == kPlacesMax) track.places.erase(track.places.begin());
   const double ahead = track.radius_m + config_.appear_distance_m;
-  track.places.push_back({track.p_fixed + ahead / speed * track.velocity, track.travelled_m, now});
+  const Vector3 p_fixed = track.p_fixed + ahead / speed * track.velocity;
+  if (isBehindAnother(track, p_fixed)) return;
+  if (track.places.size() == kPlacesMax) track.places.erase(track.places.begin());
+  track.places.push_back({p_fixed, track.travelled_m, now});
+}
+
+/// Where a part of the robot that goes the same way is nearer to the place: it would be there
+/// first, and has places of its own. A hand goes ahead of its wrist.
+bool GovernedSpeed::isBehindAnother(const Track& track, const Vector3& p_fixed) const {
+  const double speed = track.velocity.norm();
+  return std::any_of(tracks_.begin(), tracks_.end(), [&](const Track& other) {
+    if (other.shape == track.shape) return false;
+    const Vector3 way = p_fixed - other.p_fixed;
+    if (way.dot(other.velocity) < kSameWay * speed * way.norm()) return false;
+    const Pose& T_fixed_other = kinematics_.shapePoses()[other.shape];
+    const Shape& shape = model_->shapes()[other.shape].shape;
+    return distance(shape, T_fixed_other.inverse() * p_fixed) <
+           config_.appear_distance_m - config_.place_step_m;
+  });
 }
 
 /// A surface between the robot and the place is met before the place is, and is in the map: then
@@ -157,8 +192,7 @@ void GovernedSpeed::forgetSeen(const CuboidMap& map, Track& track) const {
   const double far = 2.0 * (track.radius_m + config_.appear_distance_m);
   const auto isOver = [&](const Place& place) {
     if ((place.p_fixed - track.p_fixed).norm() > far) return true;
-    const LookImage::Sight sight = map.looks.at(place.p_fixed, marginAt(map.looks, place.p_fixed));
-    return sight.kind == LookImage::Sight::Kind::kSeen && sight.stamp > place.since;
+    return map.looks.passedSince(place.since, place.p_fixed, marginAt(map.looks, place.p_fixed));
   };
   auto& places = track.places;
   places.erase(std::remove_if(places.begin(), places.end(), isOver), places.end());
@@ -173,7 +207,9 @@ void GovernedSpeed::limit(const CuboidMap& map, Time now, const Track& track) {
     if (speed >= kAtRest && to_place.dot(track.velocity) < kAheadCosine * to_place.norm() * speed) {
       continue;
     }
-    const double rest_m = config_.appear_distance_m - (track.travelled_m - place.travelled_m);
+    // It may have appeared just before the next place was noted.
+    const double rest_m = config_.appear_distance_m - config_.place_step_m -
+                          (track.travelled_m - place.travelled_m);
     const auto next = map.looks.nextLook(place.p_fixed, marginAt(map.looks, place.p_fixed), now,
                                          map.look_period, fromSeconds(late_s));
     const double until_s = next ? std::max(0.0, toSeconds(*next - now)) : kNoLook;

@@ -5,22 +5,17 @@
 namespace tccm {
 
 std::uint32_t supportOf(const CuboidMap& map, const Cuboid& cuboid, double height_m) {
-  const CellIndex nx = map.grid.cellsX(), ny = map.grid.cellsY();
-  const CellIndex ix = cuboid.cell % nx, iy = cuboid.cell / nx;
   constexpr double kRounding = 1e-9;  // [m]; 0.043 / 0.001 is a hair below 43
   const int reach = map.grid.heightFloor(height_m + kRounding);
   std::uint32_t points = 0;
-  for (CellIndex y = iy - std::min(iy, 1U); y < std::min(iy + 2, ny); ++y) {
-    for (CellIndex x = ix - std::min(ix, 1U); x < std::min(ix + 2, nx); ++x) {
-      const CellIndex cell = y * nx + x;
-      for (std::uint32_t k = map.cell_begin[cell]; k < map.cell_begin[cell + 1]; ++k) {
-        const Cuboid& near = map.cuboids[k];
-        if (near.bottom - reach <= cuboid.top && cuboid.bottom - reach <= near.top) {
-          points += near.points;
-        }
+  map.grid.visitAround(cuboid.cell, [&](CellIndex cell) {
+    for (std::uint32_t k = map.cell_begin[cell]; k < map.cell_begin[cell + 1]; ++k) {
+      const Cuboid& near = map.cuboids[k];
+      if (near.bottom - reach <= cuboid.top && cuboid.bottom - reach <= near.top) {
+        points += near.points;
       }
     }
-  }
+  });
   return points;
 }
 

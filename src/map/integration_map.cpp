@@ -99,8 +99,9 @@ void IntegrationMap::noteLeaving(CellIndex cell, std::uint32_t serial) {
     const Columns::Interval& interval = columns_.interval(i);
     if (interval.serial != serial) continue;
     const Columns::Heights heights{interval.bottom, interval.top};
-    leaving_.push_back(
-        {cell, heights, std::max(1U, pointsIn(cell, heights)), serial, interval.born});
+    const std::uint32_t points = std::max(1U, pointsIn(cell, heights));
+    const std::uint32_t support = std::max(points, pointsAround(cell, heights));
+    leaving_.push_back({cell, heights, points, support, serial, interval.born});
   }
 }
 
@@ -195,6 +196,16 @@ std::uint32_t IntegrationMap::pointsIn(CellIndex cell, Columns::Heights heights)
   return lowest <= heights.top ? counts_.sum(cell, lowest, heights.top) : 0;
 }
 
+std::uint32_t IntegrationMap::pointsAround(CellIndex cell, Columns::Heights heights) const {
+  const Height low = grid_.heightFloor(
+      std::max(config_.grid.height_min_m, grid_.metres(heights.bottom) - kSupportHeight));
+  const Height high =
+      grid_.heightCeil(std::min(config_.grid.height_max_m, grid_.metres(heights.top) + kSupportHeight));
+  std::uint32_t points = 0;
+  grid_.visitAround(cell, [&](CellIndex other) { points += counts_.sum(other, low, high); });
+  return points;
+}
+
 Cuboid IntegrationMap::finished(Cuboid cuboid, std::uint32_t age) const {
   cuboid.age_scans = age;
   cuboid.dyn = age / static_cast<std::uint32_t>(std::max<std::size_t>(1, scans()));
@@ -235,7 +246,7 @@ void IntegrationMap::snapshot(CuboidMap& map, const HeldLayer& held) const {
     appendLive(cell, map);
     if (next_held == held.intervals().end() || next_held->cell != cell) continue;
     for (; next_held != held.intervals().end() && next_held->cell == cell; ++next_held) {
-      Cuboid cuboid{cell, next_held->heights.bottom, next_held->heights.top, next_held->points};
+      Cuboid cuboid{cell, next_held->heights.bottom, next_held->heights.top, next_held->support};
       cuboid.held = true;
       map.cuboids.push_back(finished(cuboid, serial_ - next_held->born));
     }

@@ -10,6 +10,16 @@ namespace {
 
 constexpr double kNearest = 1e-3;  // [m]; what is this near has no direction
 
+/// Pixels; a thing as large as a hand shows in directions beside that of its middle.
+constexpr double kNeighbours = 1.6;
+
+/// Whether a pass saw the place itself; what the robot ends on hides all that is behind it.
+bool reached(const LookImage::Pass& pass, double range_m, double margin_m) {
+  using End = LookImage::End;
+  if (pass.end == End::kNever || pass.end == End::kUnclear) return false;
+  return pass.range() >= (pass.end == End::kRobot ? range_m : range_m - margin_m);
+}
+
 double validated(double resolution_rad) {
   requireInRange("look_resolution_rad", resolution_rad, 0.01, 0.2);
   return resolution_rad;
@@ -90,18 +100,44 @@ Time LookImage::lookedAround(const Vector3& p_fixed, double angle) const {
   return timeOf(newest);
 }
 
-std::optional<Time> LookImage::nextLook(const Vector3& p_fixed, double margin_m, Time now,
-                                        Duration period, Duration late_max) const {
+template <typename Visit>
+void LookImage::visitReached(const Vector3& p_fixed, double margin_m, Visit&& visit) const {
   const Vector3 sight = p_fixed - viewpoint_;
   const double range = sight.norm();
-  if (!(range > kNearest)) return std::nullopt;
+  if (!(range > kNearest)) return;
+  const auto pixel = static_cast<int>(grid_.pixelOf(sight));
+  const int row = grid_.rowOfPixel(static_cast<std::size_t>(pixel));
+  const int column = pixel - row * grid_.columns();
+  const double along_least = range * std::cos(kNeighbours * grid_.resolution());
+  const auto visitPixel = [&](int r, int c) {
+    if (r < row_begin_ || r >= row_end_) return;
+    const std::size_t near = grid_.index(r, grid_.wrapped(c));
+    if (grid_.middle(near).dot(sight) < along_least) return;
+    for (const Pass& pass : passes_[near]) {
+      if (reached(pass, range, margin_m)) visit(pass);
+    }
+  };
+  visitPixel(row, column);
+  visitPixel(row, column - 1);
+  visitPixel(row, column + 1);
+  visitPixel(row - 1, column);
+  visitPixel(row + 1, column);
+}
+
+bool LookImage::passedSince(Time since, const Vector3& p_fixed, double margin_m) const {
+  bool passed = false;
+  visitReached(p_fixed, margin_m,
+               [&](const Pass& pass) { passed = passed || timeOf(pass.first) > since; });
+  return passed;
+}
+
+std::optional<Time> LookImage::nextLook(const Vector3& p_fixed, double margin_m, Time now,
+                                        Duration period, Duration late_max) const {
   std::optional<Time> next;
-  for (const Pass& pass : passes_[grid_.pixelOf(sight)]) {
-    if (pass.end == End::kNever || pass.end == End::kUnclear) continue;
-    if (pass.range() < range - margin_m) continue;
+  visitReached(p_fixed, margin_m, [&](const Pass& pass) {
     const Time due = timeOf(pass.first) + period;
     if (due >= now - late_max && (!next || due < *next)) next = due;
-  }
+  });
   return next;
 }
 

@@ -119,10 +119,28 @@ void Mapper::expireOldest() {
         looks_.image().inViewSince(seen, place, config_.hold_look_short_m)) {
       continue;
     }
-    const bool fits = held_.hold({interval.cell, interval.heights, interval.points, interval.serial,
-                                  interval.born, seen, *newest_});
+    const std::uint32_t support = interval.support + heldAround(interval.cell, interval.heights);
+    const bool fits = held_.hold({interval.cell, interval.heights, interval.points, support,
+                                  interval.serial, interval.born, seen, *newest_});
     if (!fits) lost_serial_ = map_.serial();
   }
+}
+
+/// Returns that are held near an interval.
+std::uint32_t Mapper::heldAround(CellIndex cell, Columns::Heights heights) const {
+  const Grid& grid = map_.grid();
+  const Height reach = grid.heightOf(IntegrationMap::kSupportHeight);
+  const auto column = [&grid](CellIndex c) { return static_cast<int>(c % grid.cellsX()); };
+  const auto row = [&grid](CellIndex c) { return static_cast<int>(c / grid.cellsX()); };
+  std::uint32_t points = 0;
+  for (const HeldLayer::Interval& held : held_.intervals()) {
+    const bool is_near = std::abs(column(held.cell) - column(cell)) <= 1 &&
+                         std::abs(row(held.cell) - row(cell)) <= 1 &&
+                         held.heights.bottom - reach <= heights.top &&
+                         heights.bottom - reach <= held.heights.top;
+    if (is_near) points += held.points;
+  }
+  return points;
 }
 
 /// Lets go of what the newest scan saw the place of, be it there or not.

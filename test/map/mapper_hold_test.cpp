@@ -91,6 +91,17 @@ TEST(MapperHoldTest, WhatNobodyLookedAtAgainIsHeldWithItsPointsAndItsAge) {
   EXPECT_EQ(held.age_scans, live.age_scans + 3);
 }
 
+TEST(MapperHoldTest, WhatItsNeighboursSupportedIsHeldWithTheirPoints) {
+  const Vector3 beside = kPlace + Vector3(0.02, 0.0, 0.01);
+  Feed feed;
+  feed.scan({to(kPlace), to(kElsewhere)});
+  feed.scan({to(beside), to(beside)});
+  feed.scan({past(beside, 1.1, Look::End::kNothing), past(kElsewhere, 1.1, Look::End::kNothing)});
+  feed.scan({}, kWindow);
+  ASSERT_EQ(feed.held(), 1U);
+  EXPECT_EQ(feed.map().cuboids.front().points, 3U);
+}
+
 TEST(MapperHoldTest, WhatWasLookedThroughMeanwhileIsGone) {
   Feed feed;
   feed.scan({to(kPlace)});

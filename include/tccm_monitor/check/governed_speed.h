@@ -56,6 +56,8 @@ class GovernedSpeed {
                     const std::vector<Pose>& T_fixed_roots, double applied_scale);
   /// Forgets where the robot was.
   void startAnew();
+  /// Goes on with what another knows of the same points; of another distance nothing is of use.
+  void takeOver(const GovernedSpeed& before);
   /// The same rule for one look: the speed that uses up the rest of a way until a look and the
   /// verdict on it, braking included. @param until_s at least 0.
   [[nodiscard]] static double speedFor(double rest_m, double until_s, double deceleration_mps2);
@@ -83,6 +85,7 @@ class GovernedSpeed {
             double applied_scale);
   void estimateCommand(Track& track, double seconds, double scale) const;
   void notePlace(Track& track, Time now) const;
+  [[nodiscard]] bool isBehindAnother(const Track& track, const Vector3& p_fixed) const;
   [[nodiscard]] double marginAt(const LookImage& looks, const Vector3& p_fixed) const;
   void forgetSeen(const CuboidMap& map, Track& track) const;
   void limit(const CuboidMap& map, Time now, const Track& track);

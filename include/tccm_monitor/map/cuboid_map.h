@@ -15,7 +15,9 @@ struct Cuboid {
   CellIndex cell = 0;
   Height bottom = 0;            ///< quanta; occupied are [bottom, top)
   Height top = 0;               ///< the paper's u; its d is top - bottom
-  std::uint32_t points = 0;     ///< returns of the window's scans in it (the paper's pnum)
+  /// Returns of the window's scans in it (the paper's pnum); of one that is held those around it
+  /// too, as they were when it left: what supported it then may have been let go.
+  std::uint32_t points = 0;
   std::uint32_t age_scans = 0;  ///< since something was first seen here without interruption
   std::uint32_t dyn = 0;        ///< age in whole windows (section IV.C); low means dynamic
   /// It left the window, but nobody looked at its place since: no part of the live map.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 
@@ -70,6 +71,17 @@ class Grid {
     CellIndex x_begin, x_end, y_begin, y_end;
   };
   [[nodiscard]] Footprint footprint(const UprightBox& box) const;
+
+  /// Hands the 3 x 3 cells around a cell to visit, itself included, those beyond the area left out.
+  template <typename Visit>
+  void visitAround(CellIndex cell, Visit&& visit) const {
+    const CellIndex ix = cell % cells_x_, iy = cell / cells_x_;
+    for (CellIndex y = iy - std::min(iy, 1U); y < std::min(iy + 2, cells_y_); ++y) {
+      for (CellIndex x = ix - std::min(ix, 1U); x < std::min(ix + 2, cells_x_); ++x) {
+        visit(y * cells_x_ + x);
+      }
+    }
+  }
 
   [[nodiscard]] bool operator==(const Grid& other) const;
 

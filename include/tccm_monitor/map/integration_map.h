@@ -47,11 +47,14 @@ class IntegrationMap {
   /// the window already, the oldest leaves first.
   /// @param returns in the fixed frame; those that are not finite count as out of the area.
   Added add(Time stamp, const std::vector<Vector3>& returns);
+  static constexpr double kSupportHeight = 0.03;  ///< [m] within which returns support each other
   /// What leaves the map when no scan of the window has seen it any more.
   struct Leaving {
     CellIndex cell;
     Columns::Heights heights;
     std::uint32_t points;  ///< returns that were in it, at least 1
+    /// Those that were in the 3 x 3 cells around it within kSupportHeight, its own included.
+    std::uint32_t support;
     std::uint32_t serial;  ///< of the scan that saw it last
     std::uint32_t born;
   };
@@ -112,6 +115,7 @@ class IntegrationMap {
   void restoreColumns();
   [[nodiscard]] Cuboid finished(Cuboid cuboid, std::uint32_t age) const;
   [[nodiscard]] std::uint32_t pointsIn(CellIndex cell, Columns::Heights heights) const;
+  [[nodiscard]] std::uint32_t pointsAround(CellIndex cell, Columns::Heights heights) const;
   void noteLeaving(CellIndex cell, std::uint32_t serial);
   void appendLive(CellIndex cell, CuboidMap& map) const;
 

@@ -70,6 +70,9 @@ class LookImage {
   /// The newest look in a direction within an angle [rad] of the place's; the epoch where there was
   /// none.
   [[nodiscard]] Time lookedAround(const Vector3& p_fixed, double angle) const;
+  /// Whether a pass that began after `since` saw the place, or a surface not more than margin_m
+  /// before it; the robot's own is none.
+  [[nodiscard]] bool passedSince(Time since, const Vector3& p_fixed, double margin_m) const;
   /// When the place is looked at next: a period after it was seen last in the same direction of the
   /// tilt. Nothing where it was not seen lately, or the look is overdue by more than late_max: then
   /// none is due. @param period of the tilt.
@@ -101,6 +104,9 @@ class LookImage {
   [[nodiscard]] std::size_t memoryBytes() const { return passes_.capacity() * sizeof(Passes); }
 
  private:
+  /// Hands on the passes that reached the place, in its direction and those beside, above and below.
+  template <typename Visit>
+  void visitReached(const Vector3& p_fixed, double margin_m, Visit&& visit) const;
   [[nodiscard]] bool reachedSince(Time since, std::size_t pixel, double range_m) const;
 
   DirectionGrid grid_;

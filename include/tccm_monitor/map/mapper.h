@@ -47,7 +47,7 @@ class Mapper {
     /// What leaves the window is held for so long at most, unless its place is looked at, or comes
     /// into view with all around it; 0: what leaves the window is gone.
     double hold_s = 10.0;
-    double hold_look_angle_rad = 0.0125;  ///< a look within it of a place looks at the place
+    double hold_look_angle_rad = 0.0175;  ///< a look within it of a place looks at the place
     double hold_look_short_m = 0.05;      ///< a look that ends this much before saw it all the same
     std::size_t held_max = 20000;         ///< intervals
 
@@ -95,6 +95,7 @@ class Mapper {
   void expire();
   void expireOldest();
   void release(const ScanReturns& scan);
+  [[nodiscard]] std::uint32_t heldAround(CellIndex cell, Columns::Heights heights) const;
   [[nodiscard]] Vector3 placeOf(CellIndex cell, Columns::Heights heights) const;
   [[nodiscard]] Vector3& viewpointOf(std::uint32_t serial) {
     return viewpoints_[serial % viewpoints_.size()];
