@@ -33,12 +33,18 @@ void Checker::Config::validate() const {
   requireInRange("occlusion_slow_scale", occlusion_slow_scale, 0.0, 1.0);
 }
 
+PoseCheck::Config Checker::Config::poseCheck() const {
+  PoseCheck::Config config = pose;
+  config.occlusion.old_periods = evidence.slow_periods;
+  return config;
+}
+
 TrajectoryCheck::Config Checker::Config::trajectoryCheck() const {
-  return {pose, clearance_radius_m, trajectory_step_m, trajectory_occlusion_poses};
+  return {poseCheck(), clearance_radius_m, trajectory_step_m, trajectory_occlusion_poses};
 }
 
 Checker::Checks::Checks(const std::shared_ptr<const RobotModel>& model, const Config& config)
-    : now(model, config.pose),
+    : now(model, config.poseCheck()),
       ahead(now),
       state(now),
       way(model, config.pose, config.way),

@@ -11,6 +11,7 @@ void OcclusionCheck::Config::validate() const {
   requireInRange("occlusion_margin_m", margin_m, 0.0, 1.0);
   requireInRange("occlusion_hidden_fraction", hidden_fraction, 0.01, 1.0);
   requireInRange("occlusion_silhouette_min_pixels", silhouette_min_pixels, 0.0, 1000.0);
+  requireInRange("evidence_slow_periods", old_periods, 1.0, 100.0);
 }
 
 OcclusionCheck::OcclusionCheck(const Config& config, std::vector<std::uint32_t> link_of_shape)
@@ -35,7 +36,7 @@ const OcclusionCheck::Result& OcclusionCheck::find(const CuboidMap& map, const B
   result_.cuboids.clear();
   result_.cuboids.reserve(map.cuboids.capacity());
   drawFromNearToFar(viewpoint, body);
-  askLooks(map.looks);
+  askLooks(map);
   if (buffer_.canBeCovered()) {
     for (std::uint32_t k = 0; k < map.cuboids.size(); ++k) {
       const auto silhouette = buffer_.silhouette(map, k);
@@ -47,12 +48,13 @@ const OcclusionCheck::Result& OcclusionCheck::find(const CuboidMap& map, const B
 }
 
 /// As LookImage::at(), without its stamps.
-OcclusionCheck::PixelSight OcclusionCheck::sightOf(const LookImage& looks, std::size_t look_pixel,
-                                                   const ZBuffer::Pixel& drawn) const {
+OcclusionCheck::PixelSight OcclusionCheck::sightOf(const LookImage::Passes& passes,
+                                                   const ZBuffer::Pixel& drawn,
+                                                   LookImage::Ticks oldest) const {
   using End = LookImage::End;
   const float least_mm = 1e3F * (drawn.depth - static_cast<float>(config_.margin_m));
-  for (const LookImage::Pass& pass : looks.passes(look_pixel)) {
-    if (pass.end == End::kNever) break;
+  for (const LookImage::Pass& pass : passes) {
+    if (pass.end == End::kNever || pass.last < oldest) break;
     if (pass.end == End::kUnclear) continue;
     if (static_cast<float>(pass.range_mm) >= least_mm) return PixelSight::kVisible;
     if (pass.end != End::kRobot) return PixelSight::kOccluded;
@@ -60,13 +62,17 @@ OcclusionCheck::PixelSight OcclusionCheck::sightOf(const LookImage& looks, std::
   return PixelSight::kUnseen;
 }
 
-void OcclusionCheck::askLooks(const LookImage& looks) {
+void OcclusionCheck::askLooks(const CuboidMap& map) {
+  const LookImage& looks = map.looks;
+  const Duration old = fromSeconds(config_.old_periods * toSeconds(map.look_period));
+  const bool ages_matter = old > Duration::zero();  // else no period is known yet
+  const LookImage::Ticks oldest = ages_matter ? looks.ticksAt(map.stamp - old) : 0;
   const bool same_grid = looks.grid().rows() == buffer_.rows();
   sights_.clear();
   for (const std::uint32_t pixel : buffer_.drawn()) {
     const std::size_t look_pixel =
         same_grid ? pixel : looks.grid().pixelOf(buffer_.grid().middle(pixel));
-    sights_.push_back(sightOf(looks, look_pixel, buffer_.pixelAt(pixel)));
+    sights_.push_back(sightOf(looks.passes(look_pixel), buffer_.pixelAt(pixel), oldest));
     if (sights_.back() == PixelSight::kVisible) buffer_.markSeen(pixel);
   }
 }

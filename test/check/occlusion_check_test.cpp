@@ -202,6 +202,15 @@ TEST(OcclusionCheckTest, BehindTheRobotItselfTheLookBeforeCounts) {
   EXPECT_EQ(ball.visible_fraction, 1.0);
 }
 
+TEST(OcclusionCheckTest, LooksOlderThanSoManyTiltPeriodsSayNothing) {
+  CuboidMap map = lookedThrough(mapAround(), 3.0, LookImage::End::kNothing);  // at 1 s
+  map.look_period = std::chrono::seconds(1);
+  map.stamp = Time(std::chrono::milliseconds(2500));
+  EXPECT_EQ(visibilityOfBall(map).visible_fraction, 1.0);
+  map.stamp += std::chrono::milliseconds(1);
+  EXPECT_EQ(visibilityOfBall(map).unseen_fraction, 1.0);
+}
+
 TEST(OcclusionCheckTest, WithoutLinksThereIsNoWorst) {
   OcclusionCheck check({}, {});
   EXPECT_EQ(check.find(mapAround(), {}).worst(), nullptr);

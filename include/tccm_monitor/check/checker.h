@@ -40,6 +40,8 @@ class Checker {
 
     /// @throws ConfigError
     void validate() const;
+    /// What is old evidence is told once for all.
+    [[nodiscard]] PoseCheck::Config poseCheck() const;
     [[nodiscard]] TrajectoryCheck::Config trajectoryCheck() const;
   };
 

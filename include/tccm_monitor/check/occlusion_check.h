@@ -23,7 +23,7 @@ struct LinkVisibility {
 /// Says which links are hidden from the sensor (paper, section IV.B): there the robot would move
 /// blindly. Three answers for each direction: the newest look in it tells whether the sensor saw as
 /// far as to the link, or something stood before; where the robot itself stood before, cuboids do,
-/// held ones too; where there are none it is not known. Cuboids alone would hide too much: they are
+/// held ones too; where there are none, or all looks are old, it is not known. Cuboids alone would hide too much: they are
 /// as thick as a cell, and every pixel that they reach into counts.
 class OcclusionCheck {
  public:
@@ -34,6 +34,8 @@ class OcclusionCheck {
     double hidden_fraction = 0.3;
     /// Less than this many pixels of silhouette are too few to judge by.
     double silhouette_min_pixels = 2.0;
+    /// Looks that are older than so many tilt periods say nothing.
+    double old_periods = 1.5;
 
     /// @throws ConfigError
     void validate() const;
@@ -59,11 +61,11 @@ class OcclusionCheck {
  private:
   void drawFromNearToFar(const Vector3& viewpoint, const Body& body);
   enum class PixelSight : std::uint8_t { kVisible, kOccluded, kUnseen };
-  void askLooks(const LookImage& looks);
+  void askLooks(const CuboidMap& map);
   void countPixels();
   /// Unseen: cuboids must tell.
-  [[nodiscard]] PixelSight sightOf(const LookImage& looks, std::size_t look_pixel,
-                                   const ZBuffer::Pixel& drawn) const;
+  [[nodiscard]] PixelSight sightOf(const LookImage::Passes& passes, const ZBuffer::Pixel& drawn,
+                                   LookImage::Ticks oldest) const;
 
   Config config_;
   std::vector<std::uint32_t> slot_of_shape_;  ///< index into result_.links

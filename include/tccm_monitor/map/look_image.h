@@ -85,6 +85,11 @@ class LookImage {
   [[nodiscard]] const Passes& passes(std::size_t pixel) const { return passes_[pixel]; }
   [[nodiscard]] Time epoch() const { return epoch_; }
   [[nodiscard]] Time timeOf(Ticks ticks) const { return epoch_ + std::chrono::milliseconds(ticks); }
+  /// The first tick not before an instant; 0 before the epoch.
+  [[nodiscard]] Ticks ticksAt(Time stamp) const {
+    constexpr Duration kTick = std::chrono::milliseconds(1);
+    return stamp > epoch_ ? static_cast<Ticks>((stamp - epoch_ + kTick - Duration(1)) / kTick) : 0;
+  }
   /// In rows outside of [rowBegin(), rowEnd()) nobody ever looked.
   [[nodiscard]] int rowBegin() const { return row_begin_; }
   [[nodiscard]] int rowEnd() const { return row_end_; }
