@@ -37,18 +37,21 @@ void toMessage(const LookImage& looks, tccm_monitor::Looks& message) {
   message.viewpoint = toPoint(looks.viewpoint());
   message.epoch = toRos(looks.epoch());
   message.row_begin = static_cast<std::uint32_t>(rows > 0 ? looks.rowBegin() : 0);
-  message.passes.resize(static_cast<std::size_t>(rows * columns) * LookImage::kPasses);
-  auto out = message.passes.begin();
+  const std::size_t passes = static_cast<std::size_t>(rows * columns) * LookImage::kPasses;
+  message.first_ms.resize(passes);
+  message.last_ms.resize(passes);
+  message.range_mm.resize(passes);
+  message.end.resize(passes);
+  message.moved.resize(passes);
   const std::size_t first = rows > 0 ? looks.grid().index(looks.rowBegin(), 0) : 0;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(rows * columns); ++i) {
-    for (const LookImage::Pass& pass : looks.passes(first + i)) {
-      out->first_ms = pass.first;
-      out->last_ms = pass.last;
-      out->range_mm = pass.range_mm;
-      out->end = static_cast<std::uint8_t>(pass.end);
-      out->moved = static_cast<std::uint8_t>(pass.moved);
-      ++out;
-    }
+  for (std::size_t i = 0; i < passes; ++i) {
+    const LookImage::Pass& pass =
+        looks.passes(first + i / LookImage::kPasses)[i % LookImage::kPasses];
+    message.first_ms[i] = pass.first;
+    message.last_ms[i] = pass.last;
+    message.range_mm[i] = pass.range_mm;
+    message.end[i] = static_cast<std::uint8_t>(pass.end);
+    message.moved[i] = static_cast<std::uint8_t>(pass.moved);
   }
 }
 
@@ -63,22 +66,24 @@ std::string fromMessage(const tccm_monitor::Looks& message, LookImage& looks) {
   const Vector3 viewpoint(message.viewpoint.x, message.viewpoint.y, message.viewpoint.z);
   if (!viewpoint.allFinite()) return "the viewpoint of its looks is not finite";
   const auto columns = static_cast<std::size_t>(looks.grid().columns());
-  const std::size_t pixels = message.passes.size() / LookImage::kPasses;
-  const std::size_t rows = pixels / columns;
-  if (message.passes.size() % (columns * LookImage::kPasses) != 0 ||
+  const std::size_t passes = message.end.size();
+  const std::size_t rows = passes / (columns * LookImage::kPasses);
+  if (passes % (columns * LookImage::kPasses) != 0 ||
       message.row_begin + rows > static_cast<std::size_t>(looks.grid().rows())) {
     return "its looks fill no whole rows";
   }
+  for (const std::size_t size : {message.first_ms.size(), message.last_ms.size(),
+                                 message.range_mm.size(), message.moved.size()}) {
+    if (size != passes) return "the lists of its looks are not of one length";
+  }
   looks.begin(toTime(message.epoch), viewpoint);
-  auto in = message.passes.begin();
-  for (std::size_t i = 0; i < pixels; ++i) {
-    const auto row = static_cast<int>(message.row_begin + i / columns);
-    for (LookImage::Pass& pass : looks.edit(row, static_cast<int>(i % columns))) {
-      if (in->end > tccm_monitor::LookPass::UNCLEAR) return "a look ends on nothing that is known";
-      pass = {in->first_ms, in->last_ms, in->range_mm, static_cast<LookImage::End>(in->end),
-              in->moved != 0};
-      ++in;
-    }
+  for (std::size_t i = 0; i < passes; ++i) {
+    if (message.end[i] > tccm_monitor::Looks::UNCLEAR) return "a look ends on nothing that is known";
+    const std::size_t pixel = i / LookImage::kPasses;
+    const auto row = static_cast<int>(message.row_begin + pixel / columns);
+    looks.edit(row, static_cast<int>(pixel % columns))[i % LookImage::kPasses] = {
+        message.first_ms[i], message.last_ms[i], message.range_mm[i],
+        static_cast<LookImage::End>(message.end[i]), message.moved[i] != 0};
   }
   return {};
 }

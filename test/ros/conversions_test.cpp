@@ -228,14 +228,24 @@ TEST_F(DefectiveMapTest, AViewpointThatIsNotFiniteIsRefused) {
 TEST_F(DefectiveMapTest, LooksThatAreNoneAreRefused) {
   const tccm_monitor::CuboidMap whole = message_;
   const auto columns = static_cast<std::size_t>(LookImage().grid().columns());
-  message_.looks.passes.resize(2 * columns);
+  const auto setPasses = [this](std::size_t passes) {
+    message_.looks.first_ms.assign(passes, 0);
+    message_.looks.last_ms.assign(passes, 0);
+    message_.looks.range_mm.assign(passes, 0);
+    message_.looks.end.assign(passes, 0);
+    message_.looks.moved.assign(passes, 0);
+  };
+  setPasses(2 * columns);
   EXPECT_EQ(defect(), "") << "a whole row";
-  message_.looks.passes.back().end = tccm_monitor::LookPass::UNCLEAR + 1;
+  message_.looks.end.back() = tccm_monitor::Looks::UNCLEAR + 1;
   EXPECT_NE(defect(), "");
-  message_.looks.passes.pop_back();
+  setPasses(2 * columns - 1);
   EXPECT_NE(defect(), "") << "no whole row";
+  setPasses(2 * columns);
+  message_.looks.last_ms.pop_back();
+  EXPECT_NE(defect(), "") << "a list is shorter";
   message_ = whole;
-  message_.looks.passes.resize(2 * columns);
+  setPasses(2 * columns);
   message_.looks.row_begin = static_cast<std::uint32_t>(LookImage().grid().rows());
   EXPECT_NE(defect(), "") << "beyond the last row";
   message_ = whole;

@@ -122,6 +122,7 @@ TEST_F(VerdictConversionTest, WithoutAMapTheStatusSaysSo) {
   EXPECT_EQ(status.reason, "INIT");
   EXPECT_TRUE(status.map_stamp.isZero());
   EXPECT_TRUE(std::isnan(status.unseen_fraction));
+  EXPECT_TRUE(std::isnan(status.governed_scale));
   EXPECT_TRUE(status.links.empty());
   status = statusOf(checker_.check(at(101.0)));
   EXPECT_EQ(status.level, tccm_monitor::MonitorStatus::FAULT);
@@ -130,6 +131,7 @@ TEST_F(VerdictConversionTest, WithoutAMapTheStatusSaysSo) {
 TEST_F(VerdictConversionTest, WhatIsKnownOfALinksWayIsSaidAtItsPresentPose) {
   const auto status = statusOf(judge(emptyScene(), 0.2, 0.3));
   EXPECT_EQ(status.unseen_fraction, 0.0F);
+  EXPECT_EQ(status.governed_scale, 1.0F);
   const LinkStatus hand = entryOf(status, "hand");
   EXPECT_EQ(hand.way_unseen_fraction, 0.0F);
   EXPECT_NEAR(hand.evidence_age, 0.01F, 1e-4F) << "looked at 10 ms before the check";

@@ -67,7 +67,7 @@ class TrialsTest(unittest.TestCase):
         self.assertEqual(len(rows), 1)
         self.assertEqual(int(rows[0]["cases"]), results["figures"]["motions"]["cases"])
         self.assertEqual([round(place["tilt_deg"], 6) for place in results["figures"]["places"]],
-                         [15.0, 45.0, 75.0])
+                         [30.0, 60.0])
         _, free, _ = self.results("governed", "--minutes", "0.3", "--tilt-step-deg", "60", "--free",
                                   out="free")
         self.assertGreater(free["figures"]["motions"]["violations"], 0)
