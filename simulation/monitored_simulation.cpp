@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "simulation/robot/dual_arm.h"
+#include "tccm_monitor/stopwatch.h"
 
 namespace tccm::simulation {
 namespace {
@@ -26,8 +27,8 @@ MonitoredSimulation::MonitoredSimulation(const Simulator::Config& simulator,
   monitor_.checker().setRootPose(0, simulator_.now(), Pose::Identity(), true);
 }
 
-void MonitoredSimulation::obey() {
-  obeys_ = true;
+void MonitoredSimulation::obey(Obedience obedience) {
+  obedience_ = obedience;
   simulator_.setStop(true);
 }
 
@@ -60,23 +61,25 @@ void MonitoredSimulation::mapReady() {
     waiting_.erase(waiting_.begin());
     // The very first scan began before the robot was heard of.
     if (scan.scan.stamp < recent_.front().stamp) continue;
+    Stopwatch stopwatch;
     const auto outcome =
         monitor_.addScan(simulator_.now(), scan.scan, T_fixed_sensor, T_fixed_roots);
+    processing_us_ = stopwatch.lapMicroseconds();
     if (!outcome.dropped.empty()) {
       throw std::runtime_error("a scan was dropped: " + outcome.dropped);
     }
     if (on_scan_) on_scan_(scan);
+    stopwatch.lapMicroseconds();
     check();
+    processing_us_ += stopwatch.lapMicroseconds();
   }
 }
 
 void MonitoredSimulation::check() {
   if (monitor_.map() == nullptr) return;
   const Verdict& verdict = monitor_.checker().check(simulator_.now());
-  if (obeys_) {
-    simulator_.setStop(verdict.stop);
-    simulator_.setSpeedScale(verdict.speed_scale);
-  }
+  if (obedience_) simulator_.setStop(verdict.stop);
+  if (obedience_ == Obedience::kStopAndScale) simulator_.setSpeedScale(verdict.speed_scale);
   if (on_verdict_) on_verdict_(verdict);
 }
 

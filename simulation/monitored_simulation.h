@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,9 +23,10 @@ class MonitoredSimulation {
   void onScan(std::function<void(const SimulatedScan&)> handle) { on_scan_ = std::move(handle); }
   /// Called with each verdict; there are none before the first map.
   void onVerdict(std::function<void(const Verdict&)> handle) { on_verdict_ = std::move(handle); }
+  enum class Obedience { kStopAndScale, kStopAlone };
   /// From now on the arms do what the verdicts say: they stop, and scale their speed. Until the
   /// first verdict they stand.
-  void obey();
+  void obey(Obedience obedience = Obedience::kStopAndScale);
 
   /// Moves on by 1 ms. @return whether the robot's joints were heard of.
   /// @throws std::runtime_error where the monitor drops a scan: all that it needs is there.
@@ -34,6 +36,8 @@ class MonitoredSimulation {
   [[nodiscard]] const RobotSample* robot() const {
     return recent_.empty() ? nullptr : &recent_.back();
   }
+  /// How long the monitor took over its last scan, from beams to verdict [us].
+  [[nodiscard]] double processingMicroseconds() const { return processing_us_; }
   [[nodiscard]] Simulator& simulator() { return simulator_; }
   [[nodiscard]] const Simulator& simulator() const { return simulator_; }
   [[nodiscard]] Monitor& monitor() { return monitor_; }
@@ -50,7 +54,8 @@ class MonitoredSimulation {
   std::vector<std::string> joints_;
   std::function<void(const SimulatedScan&)> on_scan_;
   std::function<void(const Verdict&)> on_verdict_;
-  bool obeys_ = false;
+  std::optional<Obedience> obedience_;  ///< nothing: the arms do as they like
+  double processing_us_ = 0.0;
   std::vector<RobotSample> recent_;
   std::vector<SimulatedScan> waiting_;  ///< for a robot sample after their last beam
 };

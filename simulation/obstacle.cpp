@@ -74,19 +74,23 @@ World obstacleAt(ObstacleKind kind, const Pose& T_fixed_obstacle) {
   return placed(shapesOf(kind), T_fixed_obstacle);
 }
 
-World obstacleAhead(ObstacleKind kind, const HandState& hand, double gap_m) {
+World obstacleAhead(ObstacleKind kind, const HandState& hand, double gap_m,
+                    const ObstacleStance& stance) {
   constexpr double kSlant = 0.6;  // [rad] between a human arm and the hand's way
   Pose T_fixed_obstacle = Pose::Identity();
-  T_fixed_obstacle.translation() = hand.centre;
+  const Vector3 left = Vector3::UnitZ().cross(hand.heading).normalized();
+  T_fixed_obstacle.translation() = hand.centre + stance.aside_m * left;
   T_fixed_obstacle.rotate(Eigen::AngleAxisd(
-      std::atan2(hand.heading.y(), hand.heading.x()) - (kind == ObstacleKind::kArm ? kSlant : 0.0),
+      std::atan2(hand.heading.y(), hand.heading.x()) - (kind == ObstacleKind::kArm ? kSlant : 0.0) +
+          stance.turn_rad,
       Vector3::UnitZ()));
   const World obstacle = placed(shapesOf(kind), T_fixed_obstacle);
   return placed(obstacle,
                 Pose(Eigen::Translation3d(wayToGap(hand, obstacle, gap_m) * hand.heading)));
 }
 
-World obstacleBetween(ObstacleKind kind, const Vector3& sensor, const Vector3& palm) {
+World obstacleBetween(ObstacleKind kind, const Vector3& sensor, const Vector3& palm,
+                      const ObstacleStance& stance) {
   constexpr double kShare = 0.6;  // of the way from the sensor to the palm
   const Vector3 look = (palm - sensor).normalized();
   const Vector3 across = Vector3::UnitZ().cross(look).normalized();
@@ -103,8 +107,8 @@ World obstacleBetween(ObstacleKind kind, const Vector3& sensor, const Vector3& p
       axes << look, across, up;
   }
   Pose T_fixed_obstacle = Pose::Identity();
-  T_fixed_obstacle.linear() = axes;
-  T_fixed_obstacle.translation() = sensor + kShare * (palm - sensor);
+  T_fixed_obstacle.linear() = Eigen::AngleAxisd(stance.turn_rad, look) * axes;
+  T_fixed_obstacle.translation() = sensor + kShare * (palm - sensor) + stance.aside_m * across;
   return placed(shapesOf(kind), T_fixed_obstacle);
 }
 

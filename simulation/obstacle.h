@@ -28,13 +28,21 @@ struct HandState {
 /// human hand lies flat there, its forearm along x.
 [[nodiscard]] World obstacleAt(ObstacleKind kind, const Pose& T_fixed_obstacle);
 
+/// How an obstacle stands where it is put.
+struct ObstacleStance {
+  double aside_m = 0.0;   ///< to the left of the middle of the way, or of the line of sight
+  double turn_rad = 0.0;  ///< about the upright, or the line of sight; counterclockwise
+};
+
 /// An obstacle (not kNone) on the hand's way, at gap_m [m] from its nearest point. Pole and box
 /// stand upright across the way; a human forearm with its hand ahead comes slantwise towards the
 /// hand.
-[[nodiscard]] World obstacleAhead(ObstacleKind kind, const HandState& hand, double gap_m);
+[[nodiscard]] World obstacleAhead(ObstacleKind kind, const HandState& hand, double gap_m,
+                                  const ObstacleStance& stance = {});
 
 /// An obstacle (not kNone) lying across the line from the sensor to the palm, 0.6 of the way, far
 /// from both.
-[[nodiscard]] World obstacleBetween(ObstacleKind kind, const Vector3& sensor, const Vector3& palm);
+[[nodiscard]] World obstacleBetween(ObstacleKind kind, const Vector3& sensor, const Vector3& palm,
+                                    const ObstacleStance& stance = {});
 
 }  // namespace tccm::simulation

@@ -60,8 +60,11 @@ void Simulator::Config::validate() const {
   commanded.validate();
   scanner.validate();
   requireInRange("appear_s", appear_s, 0.0, 1e6);
+  requireInRange("appear_speed_share", appear_speed_share, 0.001, 0.99);
   requireInRange("gap_m", gap_m, 0.01, 0.25);
   requireInRange("obstacle_speed_mps", obstacle_speed_mps, 0.0, 10.0);
+  requireInRange("obstacle aside_m", stance.aside_m, -0.2, 0.2);
+  requireInRange("obstacle turn_rad", stance.turn_rad, -M_PI, M_PI);
   head.validate();
   requireInRange("wander_length_m", wander_length_m, 1.0, 1000.0);
   requireInRange("wander_clearance_m", wander_clearance_m, 0.0, 0.2);
@@ -260,7 +263,7 @@ void Simulator::maybeAddObstacle() {
 
 bool Simulator::handIsOnItsWay() const {
   if (commanded_) return !commanded_->holds() && commandedPalmVelocity().x() > kOnItsWay;
-  const double full_speed = 0.99 * config_.controller.speed_mps;
+  const double full_speed = config_.appear_speed_share * config_.controller.speed_mps;
   return controller_.outbound() && !controller_.braking() && controller_.speed() >= full_speed &&
          path_.length() - controller_.distance() >= roomForObstacle();
 }
@@ -269,8 +272,8 @@ void Simulator::addObstacle(double hand_travel_m) {
   const HandState hand = handAfter(hand_travel_m);
   const Vector3 sensor = kinematics_.linkPoses()[sensor_].translation();
   World obstacle = config_.purpose == ObstaclePurpose::kCollision
-                       ? obstacleAhead(config_.obstacle, hand, config_.gap_m)
-                       : obstacleBetween(config_.obstacle, sensor, hand.centre);
+                       ? obstacleAhead(config_.obstacle, hand, config_.gap_m, config_.stance)
+                       : obstacleBetween(config_.obstacle, sensor, hand.centre, config_.stance);
   Entrance entrance{now_};
   if (config_.obstacle_speed_mps > 0.0) {
     entrance.offset = kBringWay * hand.heading.cross(Vector3::UnitZ()).normalized();

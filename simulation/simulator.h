@@ -63,7 +63,9 @@ class Simulator {
     /// full speed and has room left to run into it; where it is commanded, for the next when it
     /// moves ahead.
     double appear_s = 8.0;
+    double appear_speed_share = 0.99;  ///< of the hand's speed, that is full speed
     double gap_m = 0.15;  ///< between hand and obstacle when the obstacle is in its place
+    ObstacleStance stance;
     /// Above 0: the obstacle is brought in from 0.4 m aside at this speed, and is in its place when
     /// a hand that went on would be gap_m away. 0: it appears in its place.
     double obstacle_speed_mps = 0.0;

@@ -46,10 +46,11 @@ void write(const TrialOptions& options, const std::string& experiment, const Fin
 
 /// How long it took is no result: it differs from run to run.
 void writeTiming(const TrialOptions& options, const Findings& findings, double took_s) {
-  const nlohmann::ordered_json timing = {{"jobs", options.jobs},
-                                         {"simulated_s", findings.simulated_s},
-                                         {"took_s", took_s},
-                                         {"times_real_time", findings.simulated_s / took_s}};
+  nlohmann::ordered_json timing = {{"jobs", options.jobs},
+                                   {"simulated_s", findings.simulated_s},
+                                   {"took_s", took_s},
+                                   {"times_real_time", findings.simulated_s / took_s}};
+  if (!findings.timing.is_null()) timing.update(findings.timing);
   writeText((std::filesystem::path(options.out) / "timing.json").string(), timing.dump(2) + '\n');
   std::printf("took           %.1f s, %.0f times as fast as real time, on %d thread%s\n", took_s,
               findings.simulated_s / took_s, options.jobs, options.jobs > 1 ? "s" : "");
@@ -87,8 +88,8 @@ int main(int argc, char** argv) {
   CLI::App app("Closed-loop experiments with a simulated robot that obeys the monitor.", "trials");
   TrialOptions options;
   declare(app, options);
-  const std::vector<Experiment> experiments = {hoverExperiment(app), visibilityExperiment(app),
-                                               governedExperiment(app)};
+  const std::vector<Experiment> experiments = {stoppingExperiment(app), hoverExperiment(app),
+                                               visibilityExperiment(app), governedExperiment(app)};
   try {
     app.parse(argc, argv);
     return run(chosen(experiments), options);

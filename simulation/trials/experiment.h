@@ -32,6 +32,7 @@ struct Findings {
   std::vector<std::string> lines;            ///< for people
   std::vector<std::string> missed;           ///< limits
   double simulated_s = 0.0;
+  nlohmann::ordered_json timing;  ///< other than of the whole: not repeatable
 };
 
 /// One of the program's subcommands.
@@ -42,6 +43,7 @@ struct Experiment {
 };
 
 /// Each declares its subcommand with its options.
+[[nodiscard]] Experiment stoppingExperiment(CLI::App& app);
 [[nodiscard]] Experiment hoverExperiment(CLI::App& app);
 [[nodiscard]] Experiment visibilityExperiment(CLI::App& app);
 [[nodiscard]] Experiment governedExperiment(CLI::App& app);

@@ -27,6 +27,26 @@ class TrialsTest(unittest.TestCase):
         with open(os.path.join(out, "results.csv")) as f:
             return done.returncode, results, list(csv.DictReader(f))
 
+    def test_arms_stop_before_what_appears_and_what_could_not_be_avoided_is_told(self):
+        status, results, rows = self.results("stopping", "--trials", "6")
+        self.assertEqual((status, results["limits_missed"]), (0, []))
+        self.assertEqual([row["speed_mps"] for row in rows], 2 * ["0.100", "0.250", "0.400"])
+        self.assertEqual([row["obstacle"] for row in rows], 3 * ["pole"] + 3 * ["arm"])
+        for row in rows:
+            self.assertIn(row["outcome"], ("stopped", "touched"))
+            self.assertEqual(row["outcome"] == "touched", row["contact_s"] != "")
+        figures = results["figures"]
+        self.assertEqual(figures["all"]["trials"], 6)
+        self.assertEqual(figures["by_speed"]["100 mm/s"]["stopped"], 2)
+        with open(os.path.join(self.folder.name, "out", "timing.json")) as f:
+            self.assertGreater(json.load(f)["processing_us"]["p99"], 0.0)
+
+    def test_a_governed_arm_touches_nothing_that_appears(self):
+        status, results, rows = self.results("stopping", "--trials", "3", "--appear-distance-m",
+                                             "0.15", "--gap-min-m", "0.15", "--gap-max-m", "0.151")
+        self.assertEqual((status, results["limits_missed"]), (0, []))
+        self.assertEqual([row["outcome"] for row in rows], 3 * ["stopped"])
+
     def test_hovering_hands_stop_before_what_they_hide(self):
         status, results, rows = self.results("hover", "--trials", "6", "--ghosts", "1", "--seed",
                                              "2")
