@@ -15,6 +15,7 @@ constexpr Duration kRobotPeriod = std::chrono::milliseconds(10);
 constexpr double kSpacing = 0.01;    // [m] between the points that clearances are measured from
 constexpr double kBringWay = 0.4;    // [m] that an obstacle is brought in from aside
 constexpr double kRoomToHit = 0.04;  // [m] of path that must be left beyond the gap
+constexpr double kLastRoom = 0.002;    // [m] of path on which an obstacle that is late may appear
 constexpr double kOnItsWay = 0.05;   // [m/s] ahead, of a commanded hand
 
 const std::vector<std::string> kHandLinks = {"right_wrist_roll_link", "right_palm_link",
@@ -60,6 +61,7 @@ void Simulator::Config::validate() const {
   commanded.validate();
   scanner.validate();
   requireInRange("appear_s", appear_s, 0.0, 1e6);
+  requireInRange("appear_from_m", appear_from_m, 0.0, 1e3);
   requireInRange("appear_speed_share", appear_speed_share, 0.001, 0.99);
   requireInRange("gap_m", gap_m, 0.01, 0.25);
   requireInRange("obstacle_speed_mps", obstacle_speed_mps, 0.0, 10.0);
@@ -264,8 +266,10 @@ void Simulator::maybeAddObstacle() {
 bool Simulator::handIsOnItsWay() const {
   if (commanded_) return !commanded_->holds() && commandedPalmVelocity().x() > kOnItsWay;
   const double full_speed = config_.appear_speed_share * config_.controller.speed_mps;
+  const double last_m = path_.length() - roomForObstacle();
+  const double place_m = controller_.distance();
   return controller_.outbound() && !controller_.braking() && controller_.speed() >= full_speed &&
-         path_.length() - controller_.distance() >= roomForObstacle();
+         place_m >= std::min(config_.appear_from_m, last_m - kLastRoom) && place_m <= last_m;
 }
 
 void Simulator::addObstacle(double hand_travel_m) {

@@ -64,6 +64,7 @@ class Simulator {
     /// moves ahead.
     double appear_s = 8.0;
     double appear_speed_share = 0.99;  ///< of the hand's speed, that is full speed
+    double appear_from_m = 0.0;        ///< along its path, or at the last place with room left
     double gap_m = 0.15;  ///< between hand and obstacle when the obstacle is in its place
     ObstacleStance stance;
     /// Above 0: the obstacle is brought in from 0.4 m aside at this speed, and is in its place when

@@ -105,8 +105,10 @@ Simulator::Config StoppingTrial::simulatorConfig(std::uint64_t seed) {
   config.seed = seed;
   config.obstacle = config_.obstacle;
   config.obstacle_speed_mps = config_.obstacle_speed_mps;
-  // The motion repeats: when it is met decides at which phase of the tilt.
-  config.appear_s = kSettled + draw.between(0.0, 3.0);
+  // The arm may move from the same phase of the tilt on each time; it pauses before it comes again.
+  config.appear_s = kSettled;
+  config.controller.dwell_s = draw.between(0.0, config_.tilt_period_s);
+  config.appear_from_m = draw.between(0.0, path_.length());
   config.appear_speed_share = config_.appear_speed_share;
   config.gap_m = draw.between(config_.gap_min_m, config_.gap_max_m);
   config.stance.aside_m = draw.between(-config_.aside_max_m, config_.aside_max_m);
