@@ -34,9 +34,7 @@ IntegrationMap::IntegrationMap(const Config& config)
       // Layers as thick as a return: returns of two cuboids never share one.
       counts_(grid_, thickness_),
       ring_(config.scans_max, config.returns_max),
-      losses_(grid_.cells()) {
-  leaving_.reserve(config.intervals_max);
-}
+      losses_(grid_.cells()) {}
 
 IntegrationMap::Added IntegrationMap::add(Time stamp, const std::vector<Vector3>& returns) {
   if (ring_.full()) expireOldest();
@@ -74,35 +72,6 @@ bool IntegrationMap::insert(const MappedReturn& entry) {
   ring_.add(entry);
   counts_.add(entry.cell, entry.height);
   return true;
-}
-
-const std::vector<IntegrationMap::Leaving>& IntegrationMap::expireOldest() {
-  const std::uint32_t serial = ring_.oldestSerial();
-  leaving_.clear();
-  // While all returns are still counted.
-  CellIndex last = grid_.cells();  // neighbouring beams often fall into one cell
-  ring_.visitOldest([&](const MappedReturn& entry) {
-    if (entry.cell != last) {
-      noteLeaving(entry.cell, serial);
-      columns_.expire(entry.cell, serial);
-    }
-    last = entry.cell;
-  });
-  ring_.visitOldest(
-      [this](const MappedReturn& entry) { counts_.remove(entry.cell, entry.height); });
-  ring_.dropOldest();
-  return leaving_;
-}
-
-void IntegrationMap::noteLeaving(CellIndex cell, std::uint32_t serial) {
-  for (std::uint32_t i = columns_.first(cell); i != Columns::kNone; i = columns_.interval(i).next) {
-    const Columns::Interval& interval = columns_.interval(i);
-    if (interval.serial != serial) continue;
-    const Columns::Heights heights{interval.bottom, interval.top};
-    const std::uint32_t points = std::max(1U, pointsIn(cell, heights));
-    const std::uint32_t support = std::max(points, pointsAround(cell, heights));
-    leaving_.push_back({cell, heights, points, support, serial, interval.born});
-  }
 }
 
 std::size_t IntegrationMap::forget(const Region& region, Time until) {
@@ -186,8 +155,7 @@ bool IntegrationMap::overflowed() const {
 
 std::size_t IntegrationMap::memoryBytes() const {
   return columns_.memoryBytes() + counts_.memoryBytes() + ring_.memoryBytes() +
-         forgotten_.memoryBytes() + losses_.capacity() * sizeof(Loss) +
-         leaving_.capacity() * sizeof(Leaving);
+         forgotten_.memoryBytes() + losses_.capacity() * sizeof(Loss);
 }
 
 std::uint32_t IntegrationMap::pointsIn(CellIndex cell, Columns::Heights heights) const {

@@ -1,5 +1,6 @@
 #include "tccm_monitor/map/mapper.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "tccm_monitor/config_error.h"
@@ -109,21 +110,23 @@ void Mapper::expire() {
 
 /// What the robot hides is no less there for having left the window.
 void Mapper::expireOldest() {
+  if (config_.hold_s <= 0.0) return map_.expireOldest();
   const Time seen = map_.oldestStamp();
-  const auto& leaving = map_.expireOldest();
-  if (config_.hold_s <= 0.0) return;
-  for (const IntegrationMap::Leaving& interval : leaving) {
+  map_.expireOldest([&](const IntegrationMap::Leaving& interval) {
     const Vector3& viewpoint = viewpointOf(interval.serial);
     const Vector3 place = placeOf(interval.cell, interval.heights);
     if (newest_looks_.sawSince(interval.serial, place, viewpoint, config_.hold_look_short_m) ||
         looks_.image().inViewSince(seen, place, config_.hold_look_short_m)) {
-      continue;
+      return;
     }
-    const std::uint32_t support = interval.support + heldAround(interval.cell, interval.heights);
-    const bool fits = held_.hold({interval.cell, interval.heights, interval.points, support,
+    const std::uint32_t points = std::max(1U, map_.pointsIn(interval.cell, interval.heights));
+    const std::uint32_t support =
+        std::max(points, map_.pointsAround(interval.cell, interval.heights)) +
+        heldAround(interval.cell, interval.heights);
+    const bool fits = held_.hold({interval.cell, interval.heights, points, support,
                                   interval.serial, interval.born, seen, *newest_});
     if (!fits) lost_serial_ = map_.serial();
-  }
+  });
 }
 
 /// Returns that are held near an interval.

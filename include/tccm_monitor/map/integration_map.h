@@ -47,20 +47,26 @@ class IntegrationMap {
   /// the window already, the oldest leaves first.
   /// @param returns in the fixed frame; those that are not finite count as out of the area.
   Added add(Time stamp, const std::vector<Vector3>& returns);
-  static constexpr double kSupportHeight = 0.03;  ///< [m] within which returns support each other
+  /// Subtracts the oldest scan's part map. @pre scans() > 0
+  void expireOldest() {
+    expireOldest([](const Leaving&) {});
+  }
   /// What leaves the map when no scan of the window has seen it any more.
   struct Leaving {
     CellIndex cell;
     Columns::Heights heights;
-    std::uint32_t points;  ///< returns that were in it, at least 1
-    /// Those that were in the 3 x 3 cells around it within kSupportHeight, its own included.
-    std::uint32_t support;
     std::uint32_t serial;  ///< of the scan that saw it last
     std::uint32_t born;
   };
-  /// Subtracts the oldest scan's part map. @return what left the map with it, each interval once;
-  /// valid until the next call. @pre scans() > 0
-  const std::vector<Leaving>& expireOldest();
+  /// The same. @param visit (Leaving): is shown each interval that leaves with it, once, while all
+  /// returns still count.
+  template <typename Visit>
+  void expireOldest(Visit&& visit);
+  static constexpr double kSupportHeight = 0.03;  ///< [m] within which returns support each other
+  /// The window's returns in an interval, and those in the 3 x 3 cells around it within
+  /// kSupportHeight, its own included.
+  [[nodiscard]] std::uint32_t pointsIn(CellIndex cell, Columns::Heights heights) const;
+  [[nodiscard]] std::uint32_t pointsAround(CellIndex cell, Columns::Heights heights) const;
   /// Takes the returns inside the region out of the window's part maps, at once, and leaves them
   /// out of scans that come later but are stamped up to `until` (see ForgottenRegions for its
   /// limits); from then on what is seen there counts as usual. The map stays the union of what
@@ -114,9 +120,6 @@ class IntegrationMap {
   std::size_t removeReturns(const std::vector<RegionPart>& parts);
   void restoreColumns();
   [[nodiscard]] Cuboid finished(Cuboid cuboid, std::uint32_t age) const;
-  [[nodiscard]] std::uint32_t pointsIn(CellIndex cell, Columns::Heights heights) const;
-  [[nodiscard]] std::uint32_t pointsAround(CellIndex cell, Columns::Heights heights) const;
-  void noteLeaving(CellIndex cell, std::uint32_t serial);
   void appendLive(CellIndex cell, CuboidMap& map) const;
 
   Config config_;
@@ -127,10 +130,29 @@ class IntegrationMap {
   PartMapRing ring_;
   ForgottenRegions forgotten_;
   std::vector<Loss> losses_;  ///< by cell; none between calls of forget()
-  std::vector<Leaving> leaving_;
   std::uint32_t serial_ = 0;
   std::uint32_t overflow_serial_ = 0;  ///< of the last scan with points left out
   Time newest_stamp_;
 };
+
+template <typename Visit>
+void IntegrationMap::expireOldest(Visit&& visit) {
+  const std::uint32_t serial = ring_.oldestSerial();
+  CellIndex last = grid_.cells();  // neighbouring beams often fall into one cell
+  ring_.visitOldest([&](const MappedReturn& entry) {
+    if (entry.cell == last) return;
+    last = entry.cell;
+    for (std::uint32_t i = columns_.first(last); i != Columns::kNone;
+         i = columns_.interval(i).next) {
+      const Columns::Interval& interval = columns_.interval(i);
+      if (interval.serial != serial) continue;
+      visit(Leaving{last, {interval.bottom, interval.top}, serial, interval.born});
+    }
+    columns_.expire(last, serial);
+  });
+  ring_.visitOldest(
+      [this](const MappedReturn& entry) { counts_.remove(entry.cell, entry.height); });
+  ring_.dropOldest();
+}
 
 }  // namespace tccm
