@@ -80,10 +80,10 @@ World obstacleAhead(ObstacleKind kind, const HandState& hand, double gap_m,
   Pose T_fixed_obstacle = Pose::Identity();
   const Vector3 left = Vector3::UnitZ().cross(hand.heading).normalized();
   T_fixed_obstacle.translation() = hand.centre + stance.aside_m * left;
-  T_fixed_obstacle.rotate(Eigen::AngleAxisd(
-      std::atan2(hand.heading.y(), hand.heading.x()) - (kind == ObstacleKind::kArm ? kSlant : 0.0) +
-          stance.turn_rad,
-      Vector3::UnitZ()));
+  T_fixed_obstacle.rotate(Eigen::AngleAxisd(std::atan2(hand.heading.y(), hand.heading.x()) -
+                                                (kind == ObstacleKind::kArm ? kSlant : 0.0) +
+                                                stance.turn_rad,
+                                            Vector3::UnitZ()));
   const World obstacle = placed(shapesOf(kind), T_fixed_obstacle);
   return placed(obstacle,
                 Pose(Eigen::Translation3d(wayToGap(hand, obstacle, gap_m) * hand.heading)));

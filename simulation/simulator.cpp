@@ -15,7 +15,7 @@ constexpr Duration kRobotPeriod = std::chrono::milliseconds(10);
 constexpr double kSpacing = 0.01;    // [m] between the points that clearances are measured from
 constexpr double kBringWay = 0.4;    // [m] that an obstacle is brought in from aside
 constexpr double kRoomToHit = 0.04;  // [m] of path that must be left beyond the gap
-constexpr double kLastRoom = 0.002;    // [m] of path on which an obstacle that is late may appear
+constexpr double kLastRoom = 0.002;  // [m] of path on which an obstacle that is late may appear
 constexpr double kOnItsWay = 0.05;   // [m/s] ahead, of a commanded hand
 
 const std::vector<std::string> kHandLinks = {"right_wrist_roll_link", "right_palm_link",

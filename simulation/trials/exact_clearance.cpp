@@ -49,6 +49,19 @@ double apart(const Geometry& a, const Pose& T_fixed_a, const Geometry& b, const 
 
 }  // namespace
 
+bool exactlyTouch(const Body& a, const Body& b) {
+  for (std::size_t i = 0; i < a.shapes.size(); ++i) {
+    for (std::size_t j = 0; j < b.shapes.size(); ++j) {
+      const double centres = (a.poses[i].translation() - b.poses[j].translation()).norm();
+      if (centres > boundingRadius(a.shapes[i]) + boundingRadius(b.shapes[j])) continue;
+      const Geometry of_a = std::visit(ToFcl{}, a.shapes[i]);
+      const Geometry of_b = std::visit(ToFcl{}, b.shapes[j]);
+      if (touch(of_a, a.poses[i], of_b, b.poses[j])) return true;
+    }
+  }
+  return false;
+}
+
 double exactClearance(const Body& a, const Body& b) {
   const std::vector<Geometry> of_a = geometriesOf(a), of_b = geometriesOf(b);
   double least = std::numeric_limits<double>::infinity();

@@ -8,4 +8,7 @@ namespace tccm::simulation {
 /// the monitor's own geometry judges it. Its solver stops at about 1e-6 m.
 [[nodiscard]] double exactClearance(const Body& a, const Body& b);
 
+/// Whether they meet, by the same, at a fraction of the cost.
+[[nodiscard]] bool exactlyTouch(const Body& a, const Body& b);
+
 }  // namespace tccm::simulation

@@ -30,8 +30,10 @@ void declare(CLI::App& command, StoppingOptions& options) {
   command.footer(
       "The paper's experiment: the arm stretches over a table, something appears before its hand,\n"
       "and the arm brakes when its permission goes. Speeds and obstacles take turns; the tilt's\n"
-      "phase, the gap, the place aside and the turn are drawn. A contact is avoidable where an arm\n"
-      "that brakes once the evidence is judged comes to rest before it: evidence is the first beam\n"
+      "phase, the gap, the place aside and the turn are drawn. A contact is avoidable where an "
+      "arm\n"
+      "that brakes once the evidence is judged comes to rest before it: evidence is the first "
+      "beam\n"
       "that shows what is in the way, or the first scan that gives it its support, three accepted\n"
       "returns within 3 x 3 cells and 30 mm of height. In the way is what the padded arm meets\n"
       "before the contact.\n"
@@ -60,9 +62,10 @@ void declare(CLI::App& command, StoppingOptions& options) {
   command.add_flag("--obey-scale", trial.obeys_scale, "the arm scales its speed as it is told")
       ->always_capture_default(false);
   command
-      .add_option("--appear-distance-m", options.appear_distance_m,
-                  "above 0: the speed is governed, the arm obeys the scale, and what appears may do "
-                  "so at any speed; then no contact at all may be")
+      .add_option(
+          "--appear-distance-m", options.appear_distance_m,
+          "above 0: the speed is governed, the arm obeys the scale, and what appears may do "
+          "so at any speed; then no contact at all may be")
       ->check(CLI::Range(0.0, 0.25));
   command
       .add_option("--avoidable-max", options.avoidable_max,
@@ -77,8 +80,8 @@ struct Case {
   StoppingTrial::Result result;
 };
 
-std::string orNothing(const std::optional<double>& seconds) {
-  return seconds ? fixed(*seconds, 4) : "";
+std::string orNothing(const std::optional<double>& number) {
+  return number ? fixed(*number, 4) : "";
 }
 
 std::string rowOf(const Case& one) {
@@ -86,11 +89,10 @@ std::string rowOf(const Case& one) {
   return std::to_string(r.seed) + ',' + fixed(one.speed_mps, 3) + ',' + one.obstacle + ',' +
          fixed(r.gap_m, 4) + ',' + fixed(r.aside_m, 4) + ',' + fixed(r.turn_rad, 4) + ',' +
          fixed(r.tilt_phase, 4) + ',' + name(r.outcome) + ',' + r.reason + ',' +
-         fixed(r.left_m, 4) + ',' + orNothing(r.beam_s) + ',' + orNothing(r.way_beam_s) + ',' +
-         orNothing(r.support_s) + ',' +
-         orNothing(r.due_s) + ',' + orNothing(r.stop_s) + ',' + orNothing(r.contact_s) + ',' +
-         (r.delay_scans ? std::to_string(*r.delay_scans) : "") + ',' +
-         (r.avoidable_from_beam ? "1," : "0,") + (r.avoidable_from_support ? "1\n" : "0\n");
+         orNothing(r.left_m) + ',' + orNothing(r.beam_s) + ',' + orNothing(r.way_beam_s) + ',' +
+         orNothing(r.support_s) + ',' + orNothing(r.due_s) + ',' + orNothing(r.stop_s) + ',' +
+         orNothing(r.contact_s) + ',' + (r.delay_scans ? std::to_string(*r.delay_scans) : "") +
+         ',' + (r.avoidable_from_beam ? "1," : "0,") + (r.avoidable_from_support ? "1\n" : "0\n");
 }
 
 /// Null where there are none.
@@ -113,10 +115,11 @@ class Tally {
     if (result.avoidable_from_support) ++avoidable_from_support_;
     if (result.delay_scans) delays_.push_back(static_cast<double>(*result.delay_scans));
     if (result.stop_s && result.support_s) {
-      waits_ms_.push_back(1e3 * std::max(0.0, *result.stop_s - std::max(*result.support_s,
-                                                  result.due_s.value_or(*result.stop_s))));
+      waits_ms_.push_back(
+          1e3 * std::max(0.0, *result.stop_s - std::max(*result.support_s,
+                                                        result.due_s.value_or(*result.stop_s))));
     }
-    if (result.outcome == Outcome::kStopped) left_mm_.push_back(1e3 * result.left_m);
+    if (result.outcome == Outcome::kStopped) left_mm_.push_back(1e3 * *result.left_m);
   }
 
   [[nodiscard]] std::size_t of(Outcome outcome) const {
@@ -243,7 +246,8 @@ Findings runStopping(StoppingOptions options, const TrialOptions& common,
                        {"appear_distance_m", options.appear_distance_m}};
   findings.rows =
       "seed,speed_mps,obstacle,gap_m,aside_m,turn_rad,tilt_phase,outcome,reason,left_m,beam_s,"
-      "way_beam_s,support_s,due_s,stop_s,contact_s,delay_scans,avoidable_from_beam,avoidable_from_support\n";
+      "way_beam_s,support_s,due_s,stop_s,contact_s,delay_scans,avoidable_from_beam,avoidable_from_"
+      "support\n";
   add(cases, options, findings);
   return findings;
 }

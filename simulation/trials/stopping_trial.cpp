@@ -15,17 +15,16 @@
 namespace tccm::simulation {
 namespace {
 
-constexpr double kSpacing = 0.01;      // [m] between the points that clearances are measured from
-constexpr double kAlong = 0.01;        // [m] of the path between the places that the arm comes to
-constexpr double kExactly = 0.0005;    // [m] to which the place of the contact is found
-constexpr double kNearby = 0.03;       // [m] from which on clearances are measured by FCL
-constexpr double kSupport = 0.03;      // [m] of height within which returns support each other
+constexpr double kSpacing = 0.01;    // [m] between the points that clearances are measured from
+constexpr double kAlong = 0.01;      // [m] of the path between the places that the arm comes to
+constexpr double kExactly = 0.0005;  // [m] to which the place of the contact is found
+constexpr double kSupport = 0.03;    // [m] of height within which returns support each other
 constexpr std::size_t kSupporting = 3;
-constexpr double kSettled = 5.0;       // [s] until the map is whole
-constexpr double kLongest = 60.0;      // [s] of a trial
-constexpr double kAfterwards = 10.0;   // [s] from the obstacle on
-constexpr int kRest = 30;              // robot samples
-constexpr double kCrawls = 0.002;      // [m/s]
+constexpr double kSettled = 5.0;      // [s] until the map is whole
+constexpr double kLongest = 60.0;     // [s] of a trial
+constexpr double kAfterwards = 10.0;  // [s] from the obstacle on
+constexpr int kRest = 30;             // robot samples
+constexpr double kCrawls = 0.002;     // [m/s]
 
 StoppingTrial::Config validated(const StoppingTrial::Config& config) {
   config.validate();
@@ -34,7 +33,8 @@ StoppingTrial::Config validated(const StoppingTrial::Config& config) {
 
 /// Straight ahead; slantwise, with room for an obstacle to be brought in meanwhile; and where the
 /// laser looks at the whole hand, for one whose speed follows from its looks.
-ArmPath pathOf(const StoppingTrial::Config& config, const std::shared_ptr<const RobotModel>& model) {
+ArmPath pathOf(const StoppingTrial::Config& config,
+               const std::shared_ptr<const RobotModel>& model) {
   if (config.obeys_scale) {
     return reachVia(model, {Vector3(0.46, -0.5, 0.95), Vector3(0.66, 0.0, 0.92)});
   }
@@ -131,7 +131,7 @@ StoppingTrial::Result StoppingTrial::run() {
     if (is_sample) outcome = outcomeSoFar();
   }
   result_.outcome = *outcome;
-  result_.left_m = *outcome == Outcome::kTouched ? 0.0 : appeared_ ? clearanceNow() : 0.0;
+  if (appeared_) result_.left_m = exactClearance(armNow(), obstacleNow());
   result_.avoidable_from_beam = *outcome == Outcome::kTouched && brakesInTime(way_beam_);
   result_.avoidable_from_support = *outcome == Outcome::kTouched && brakesInTime(support_);
   result_.simulated_s = toSeconds(simulation_.simulator().now() - start_);
@@ -146,10 +146,8 @@ void StoppingTrial::noteObstacle() {
       std::find_if(world.begin(), world.end(),
                    [](const SceneObject& object) { return object.name == kObstacleName; }) -
       world.begin());
-  obstacle_ =
-      bodyOf({world.begin() + static_cast<std::ptrdiff_t>(first_obstacle_), world.end()});
-  const double turns = toSeconds(*appeared_ - start_) / config_.tilt_period_s +
-                       result_.tilt_phase;
+  obstacle_ = bodyOf({world.begin() + static_cast<std::ptrdiff_t>(first_obstacle_), world.end()});
+  const double turns = toSeconds(*appeared_ - start_) / config_.tilt_period_s + result_.tilt_phase;
   result_.tilt_phase = turns - std::floor(turns);
   const double from_m = simulator.controller().distance();
   findContact(from_m);
@@ -164,7 +162,7 @@ void StoppingTrial::noteObstacle() {
 /// Where the arm would first touch the obstacle in its place, did it not stop.
 void StoppingTrial::findContact(double from_m) {
   contact_m_ = std::numeric_limits<double>::infinity();
-  const auto touches = [this](double way) { return exactClearance(armAt(way), obstacle_) == 0.0; };
+  const auto touches = [this](double way) { return exactlyTouch(armAt(way), obstacle_); };
   double far = from_m;
   while (far < path_.length() && !touches(far)) far += kAlong;
   if (far >= path_.length()) return;
@@ -272,20 +270,24 @@ StoppingTrial::Judged StoppingTrial::judgedNow() const {
 bool StoppingTrial::brakesInTime(const std::optional<Judged>& from) const {
   if (!from) return false;
   const double v = from->speed_mps;
-  const double way = v * config_.controller.latency_s +
-                     v * v / (2.0 * config_.controller.acceleration_mps2);
+  const double way =
+      v * config_.controller.latency_s + v * v / (2.0 * config_.controller.acceleration_mps2);
   return from->way_m + way < contact_m_;
 }
 
-double StoppingTrial::clearanceNow() {
+const Body& StoppingTrial::armNow() {
   arm_.moveTo(simulation_.robot()->link_poses);
+  return arm_.body().body();
+}
+
+Body StoppingTrial::obstacleNow() const {
   const World& world = simulation_.simulator().world();
   Body obstacle;
   for (std::size_t i = first_obstacle_; i < world.size(); ++i) {
     obstacle.shapes.push_back(world[i].shape);
     obstacle.poses.push_back(*world[i].poseAt(simulation_.simulator().now()));
   }
-  return exactClearance(arm_.body().body(), obstacle);
+  return obstacle;
 }
 
 std::optional<StoppingTrial::Outcome> StoppingTrial::outcomeSoFar() {
@@ -295,7 +297,7 @@ std::optional<StoppingTrial::Outcome> StoppingTrial::outcomeSoFar() {
     return late ? std::optional(Outcome::kNotStarted) : std::nullopt;
   }
   const auto& hand = simulator.truth().hand.back();
-  if (hand.obstacle_m.value_or(0.0) < kNearby && clearanceNow() == 0.0) {
+  if (exactlyTouch(armNow(), obstacleNow())) {  // the whole arm, not the hand alone
     result_.contact_s = sinceAppeared(simulator.now());
     return Outcome::kTouched;
   }

@@ -24,8 +24,8 @@ class StoppingTrial {
     ObstacleKind obstacle = ObstacleKind::kPole;
     double obstacle_speed_mps = 0.0;  ///< 0: it appears in its place at once
     double gap_min_m = 0.14, gap_max_m = 0.16;
-    double aside_max_m = 0.04;   ///< to either side of the middle of the way
-    double turn_max_rad = 0.5;   ///< to either side
+    double aside_max_m = 0.04;    ///< to either side of the middle of the way
+    double turn_max_rad = 0.5;    ///< to either side
     double body_error_m = 0.003;  ///< by which each part of the robot is displaced
     bool obeys_scale = false;     ///< or the arm brakes only when the permission goes
     /// Of its speed, that the hand must have when the obstacle appears.
@@ -47,8 +47,9 @@ class StoppingTrial {
     double gap_m = 0.0, aside_m = 0.0, turn_rad = 0.0;
     double tilt_phase = 0.0;  ///< of a period, when the obstacle appeared, 0..1
     Outcome outcome = Outcome::kUndecided;
-    std::string reason;    ///< why the permission went
-    double left_m = 0.0;   ///< from the arm to the obstacle, at rest, by FCL
+    std::string reason;  ///< why the permission went
+    /// From the arm to the obstacle, at rest, by FCL; nothing where none came.
+    std::optional<double> left_m;
     // [s] after the obstacle appeared
     std::optional<double> beam_s;      ///< the first beam that shows it was measured
     std::optional<double> way_beam_s;  ///< the first that shows what of it is in the way
@@ -56,7 +57,7 @@ class StoppingTrial {
     std::optional<double> due_s;       ///< a contact came within the time that a stop is due in
     std::optional<double> stop_s;      ///< permission went
     std::optional<double> contact_s;   ///< of the arm with it
-    std::optional<int> delay_scans;   ///< from when a stop was due and the part supported
+    std::optional<int> delay_scans;    ///< from when a stop was due and the part supported
     /// Of a contact: whether braking once a scan with that evidence of what is in the way was
     /// judged would have come in time.
     bool avoidable_from_beam = false, avoidable_from_support = false;
@@ -99,7 +100,8 @@ class StoppingTrial {
   [[nodiscard]] double sinceAppeared(Time stamp) const { return toSeconds(stamp - *appeared_); }
   /// Whether braking from then on would end before the contact.
   [[nodiscard]] bool brakesInTime(const std::optional<Judged>& from) const;
-  [[nodiscard]] double clearanceNow();
+  [[nodiscard]] const Body& armNow();
+  [[nodiscard]] Body obstacleNow() const;
   [[nodiscard]] std::optional<Outcome> outcomeSoFar();
 
   Config config_;

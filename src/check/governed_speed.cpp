@@ -87,8 +87,8 @@ void GovernedSpeed::startAnew() {
 void GovernedSpeed::takeOver(const GovernedSpeed& before) {
   if (before.config_.appear_distance_m != config_.appear_distance_m) return;
   for (Track& track : tracks_) {
-    const auto same = std::find_if(
-        before.tracks_.begin(), before.tracks_.end(), [&track](const Track& other) {
+    const auto same =
+        std::find_if(before.tracks_.begin(), before.tracks_.end(), [&track](const Track& other) {
           return other.shape == track.shape && other.p_shape == track.p_shape;
         });
     if (same == before.tracks_.end()) continue;
@@ -208,8 +208,8 @@ void GovernedSpeed::limit(const CuboidMap& map, Time now, const Track& track) {
       continue;
     }
     // It may have appeared just before the next place was noted.
-    const double rest_m = config_.appear_distance_m - config_.place_step_m -
-                          (track.travelled_m - place.travelled_m);
+    const double rest_m =
+        config_.appear_distance_m - config_.place_step_m - (track.travelled_m - place.travelled_m);
     const auto next = map.looks.nextLook(place.p_fixed, marginAt(map.looks, place.p_fixed), now,
                                          map.look_period, fromSeconds(late_s));
     const double until_s = next ? std::max(0.0, toSeconds(*next - now)) : kNoLook;

@@ -167,8 +167,8 @@ std::uint32_t IntegrationMap::pointsIn(CellIndex cell, Columns::Heights heights)
 std::uint32_t IntegrationMap::pointsAround(CellIndex cell, Columns::Heights heights) const {
   const Height low = grid_.heightFloor(
       std::max(config_.grid.height_min_m, grid_.metres(heights.bottom) - kSupportHeight));
-  const Height high =
-      grid_.heightCeil(std::min(config_.grid.height_max_m, grid_.metres(heights.top) + kSupportHeight));
+  const Height high = grid_.heightCeil(
+      std::min(config_.grid.height_max_m, grid_.metres(heights.top) + kSupportHeight));
   std::uint32_t points = 0;
   grid_.visitAround(cell, [&](CellIndex other) { points += counts_.sum(other, low, high); });
   return points;

@@ -123,8 +123,8 @@ void Mapper::expireOldest() {
     const std::uint32_t support =
         std::max(points, map_.pointsAround(interval.cell, interval.heights)) +
         heldAround(interval.cell, interval.heights);
-    const bool fits = held_.hold({interval.cell, interval.heights, points, support,
-                                  interval.serial, interval.born, seen, *newest_});
+    const bool fits = held_.hold({interval.cell, interval.heights, points, support, interval.serial,
+                                  interval.born, seen, *newest_});
     if (!fits) lost_serial_ = map_.serial();
   });
 }

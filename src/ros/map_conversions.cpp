@@ -78,7 +78,8 @@ std::string fromMessage(const tccm_monitor::Looks& message, LookImage& looks) {
   }
   looks.begin(toTime(message.epoch), viewpoint);
   for (std::size_t i = 0; i < passes; ++i) {
-    if (message.end[i] > tccm_monitor::Looks::UNCLEAR) return "a look ends on nothing that is known";
+    if (message.end[i] > tccm_monitor::Looks::UNCLEAR)
+      return "a look ends on nothing that is known";
     const std::size_t pixel = i / LookImage::kPasses;
     const auto row = static_cast<int>(message.row_begin + pixel / columns);
     looks.edit(row, static_cast<int>(pixel % columns))[i % LookImage::kPasses] = {

@@ -126,8 +126,7 @@ void toMessage(const Verdict& verdict, const Checker& checker,
   message.serial = verdict.serial;
   message.joints_stamp = toRos(verdict.joints_stamp);
   message.follows_trajectory = verdict.follows_trajectory;
-  message.governed_scale =
-      verdict.placed ? static_cast<float>(verdict.governed_scale) : kNotKnown;
+  message.governed_scale = verdict.placed ? static_cast<float>(verdict.governed_scale) : kNotKnown;
   message.unseen_fraction =
       verdict.placed ? static_cast<float>(verdict.unseen_fraction) : kNotKnown;
   message.exemptions.clear();

@@ -23,8 +23,8 @@ struct LinkVisibility {
 /// Says which links are hidden from the sensor (paper, section IV.B): there the robot would move
 /// blindly. Three answers for each direction: the newest look in it tells whether the sensor saw as
 /// far as to the link, or something stood before; where the robot itself stood before, cuboids do,
-/// held ones too; where there are none, or all looks are old, it is not known. Cuboids alone would hide too much: they are
-/// as thick as a cell, and every pixel that they reach into counts.
+/// held ones too; where there are none, or all looks are old, it is not known. Cuboids alone would
+/// hide too much: they are as thick as a cell, and every pixel that they reach into counts.
 class OcclusionCheck {
  public:
   struct Config {

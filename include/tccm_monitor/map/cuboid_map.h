@@ -13,8 +13,8 @@ namespace tccm {
 /// A maximal run of occupied heights in one cell's column (paper, section III).
 struct Cuboid {
   CellIndex cell = 0;
-  Height bottom = 0;            ///< quanta; occupied are [bottom, top)
-  Height top = 0;               ///< the paper's u; its d is top - bottom
+  Height bottom = 0;  ///< quanta; occupied are [bottom, top)
+  Height top = 0;     ///< the paper's u; its d is top - bottom
   /// Returns of the window's scans in it (the paper's pnum); of one that is held those around it
   /// too, as they were when it left: what supported it then may have been let go.
   std::uint32_t points = 0;

@@ -20,7 +20,7 @@ class HeldLayer {
     Columns::Heights heights{0, 0};
     std::uint32_t points = 1;   ///< returns that were in it
     std::uint32_t support = 1;  ///< those around it too, while it was in the window
-    std::uint32_t serial = 0;  ///< of the last scan that saw it
+    std::uint32_t serial = 0;   ///< of the last scan that saw it
     std::uint32_t born = 0;
     Time seen;   ///< stamp of that scan
     Time since;  ///< when it left the window

@@ -109,7 +109,8 @@ class LookImage {
   [[nodiscard]] std::size_t memoryBytes() const { return passes_.capacity() * sizeof(Passes); }
 
  private:
-  /// Hands on the passes that reached the place, in its direction and those beside, above and below.
+  /// Hands on the passes that reached the place, in its direction and those beside, above and
+  /// below.
   template <typename Visit>
   void visitReached(const Vector3& p_fixed, double margin_m, Visit&& visit) const;
   [[nodiscard]] bool reachedSince(Time since, std::size_t pixel, double range_m) const;

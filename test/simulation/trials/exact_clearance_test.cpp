@@ -42,6 +42,7 @@ TEST(ExactClearanceTest, AgreesWithPointsOnTheSurfaces) {
     const Body b = one(random.shape((i / 7) % test::kShapeKinds), random.pose(0.4));
     const double sampled = clearance(SampledBody(a, kSpacing), SampledBody(b, kSpacing));
     EXPECT_NEAR(exactClearance(a, b), sampled, 0.6 * kSpacing) << i;
+    EXPECT_EQ(exactlyTouch(a, b), exactClearance(a, b) == 0.0) << i;
   }
 }
 

@@ -29,8 +29,9 @@ TEST(StoppingTrialTest, ASlowArmStopsBeforeWhatAppearsAndAllThatLeadsToItIsInIts
     const StoppingTrial::Result result = run(config, 3);
     EXPECT_EQ(result.outcome, Outcome::kStopped);
     EXPECT_EQ(result.reason, "COLLISION_AHEAD");
-    EXPECT_GT(result.left_m, 0.03);
-    EXPECT_LT(result.left_m, result.gap_m);
+    ASSERT_TRUE(result.left_m);
+    EXPECT_GT(*result.left_m, 0.03);
+    EXPECT_LT(*result.left_m, result.gap_m);
     ASSERT_TRUE(result.beam_s && result.way_beam_s && result.support_s && result.stop_s);
     EXPECT_GT(*result.beam_s, 0.0);
     EXPECT_LE(*result.beam_s, *result.way_beam_s);
