@@ -7,6 +7,8 @@
 
 #include "simulation/robot/dual_arm.h"
 #include "tccm_monitor/config_error.h"
+#include "tccm_monitor/robot/kinematics.h"
+#include "tccm_monitor/robot/link_selector.h"
 
 namespace tccm::simulation {
 namespace {
@@ -26,6 +28,26 @@ ArmPath acrossAt(const std::shared_ptr<const RobotModel>& model, double tilt_rad
   } catch (const std::runtime_error&) {
     throw ConfigError("tilt_rad: no hand is where the laser looks at " + std::to_string(tilt_rad));
   }
+}
+
+std::vector<double> partTilts(const std::vector<std::string>& links,
+                              const std::shared_ptr<const RobotModel>& model, const ArmPath& path,
+                              double tilt_rad) {
+  constexpr double kMoves = 0.05;  // [m]
+  Kinematics start(model);
+  Kinematics halfway(model);
+  start.update(path.positions(0.0), {Pose::Identity()});
+  halfway.update(path.positions(0.5 * path.length()), {Pose::Identity()});
+  const LinkSelector selector({}, model->links());
+  const Vector3 laser = laserOrigin(model, tilt_rad);
+  std::vector<double> tilts;
+  for (std::size_t i = 0; i < model->shapes().size(); ++i) {
+    const Vector3 p_fixed = halfway.shapePoses()[i].translation();
+    const double moved_m = (p_fixed - start.shapePoses()[i].translation()).norm();
+    if (moved_m < kMoves || !selector.matches(links, model->linkOf(i))) continue;
+    tilts.push_back(std::atan2(laser.z() - p_fixed.z(), p_fixed.x() - laser.x()));
+  }
+  return tilts;
 }
 
 Simulator::Config settingOf(const PlaceSpeeds::Config& config,
@@ -61,6 +83,7 @@ PlaceSpeeds::PlaceSpeeds(const Config& config, const std::shared_ptr<const Robot
       sums_mps_(config.phases, 0.0),
       counts_(config.phases, 0) {
   result_.tilt_rad = tilt_rad;
+  result_.part_tilts_rad = partTilts(config_.links, model, acrossAt(model, tilt_rad), tilt_rad);
   simulation_.obey();
   simulation_.onVerdict([this](const Verdict& verdict) { note(verdict); });
 }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "simulation/monitored_simulation.h"
@@ -18,12 +19,15 @@ class PlaceSpeeds {
     double duration_s = 25.0;
     std::size_t phases = 12;  ///< parts of a period
     PathController::Config controller;
+    std::vector<std::string> links = {"*"};  ///< of the hand; those that do not move are left out
 
     /// @throws ConfigError
     void validate() const;
   };
   struct Result {
     double tilt_rad = 0.0;
+    /// At which the laser looks at the middles of the hand's parts, halfway.
+    std::vector<double> part_tilts_rad;
     std::vector<double> allowed_mps;  ///< by phase, from the start of a period on, on average
     double mean_mps = 0.0;            ///< allowed, over all phases
     double travelled_mps = 0.0;       ///< the hand's own, on average

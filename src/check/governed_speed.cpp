@@ -10,13 +10,14 @@ namespace {
 
 constexpr double kSoon = 0.01;             // [s] over which points' velocities are taken
 constexpr double kAtRest = 0.01;           // [m/s]
-constexpr double kCommandForgotten = 1.0;  // [1/s] of an estimate, when a robot goes slower
-constexpr double kScaleForgotten = 5.0;    // [1/s] of the scale lately: robots brake in time
+constexpr double kCommandForgotten = 0.5;  // [1/s] of an estimate, when a robot goes slower
+constexpr double kJointsLate = 0.04;       // [s] that joint states tell of a brake later
 constexpr double kDelayForgotten = 0.99;   // kept of the longest delay at each new map
 constexpr double kNoLook = 30.0;           // [s] that what is left of the way has to last
 constexpr double kLateShare = 0.15;        // of a period that a look may be overdue by
 constexpr double kAheadCosine = 0.3;       // of the angle between velocity and place
 constexpr double kSameWay = 0.8;           // of a point's speed, by another towards the same place
+constexpr double kNearer = 0.01;           // [m] by which another part is first at a place
 constexpr std::size_t kPlacesMax = 128;    // of one point
 
 /// Points to watch, on the primitive's axis, and its radius there.
@@ -54,7 +55,8 @@ GovernedSpeed::GovernedSpeed(std::shared_ptr<const RobotModel> model, const Conf
       config_((config.validate(), config)),
       kinematics_(model_),
       kinematics_soon_(model_),
-      positions_soon_(model_->variables().size()) {
+      positions_soon_(model_->variables().size()),
+      obeyed_(config.reaction_time_s + kJointsLate) {
   if (!active()) return;
   for (const std::size_t shape : shapes) addTracks(shape);
 }
@@ -98,7 +100,7 @@ void GovernedSpeed::takeOver(const GovernedSpeed& before) {
   last_ = before.last_;
   serial_ = before.serial_;
   delay_s_ = before.delay_s_;
-  scale_lately_ = before.scale_lately_;
+  obeyed_ = before.obeyed_;
 }
 
 const GovernedSpeed::Limit& GovernedSpeed::find(const CuboidMap& map, Time now,
@@ -126,7 +128,9 @@ void GovernedSpeed::move(Time now, const JointSnapshot& joints,
   const double seconds = last_ ? toSeconds(now - *last_) : 0.0;
   const bool is_first = !last_;
   last_ = now;
-  scale_lately_ = std::max(applied_scale, scale_lately_ - kScaleForgotten * seconds);
+  double fastest = kAtRest;
+  for (const Track& track : tracks_) fastest = std::max(fastest, track.commanded_mps);
+  obeyed_.add(now, applied_scale, config_.deceleration_mps2 / fastest);
   for (std::size_t i = 0; i < positions_soon_.size(); ++i) {
     positions_soon_[i] = joints.positions[i] + kSoon * joints.velocities[i];
   }
@@ -138,17 +142,21 @@ void GovernedSpeed::move(Time now, const JointSnapshot& joints,
     if (!is_first) track.travelled_m += (p_fixed - track.p_fixed).norm();
     track.p_fixed = p_fixed;
     track.velocity = (soon - p_fixed) / kSoon;
-    estimateCommand(track, seconds, scale_lately_);
+    estimateCommand(track, seconds);
   }
   for (Track& track : tracks_) notePlace(track, now);
 }
 
-/// The fastest that it was lately, at the scale that it then had.
-void GovernedSpeed::estimateCommand(Track& track, double seconds, double scale) const {
+/// Within what its speed and the scale that it obeys leave room for. What a slower robot was
+/// commanded is forgotten slowly: at the turns of its way it brakes by itself.
+void GovernedSpeed::estimateCommand(Track& track, double seconds) const {
   const double speed = track.velocity.norm();
-  if (speed < kAtRest || scale <= 0.0) return;
-  const double kept = track.commanded_mps * (1.0 - std::min(1.0, kCommandForgotten * seconds));
-  track.commanded_mps = std::max(speed / scale, kept);
+  if (speed < kAtRest || obeyed_.most() <= 0.0) return;
+  double& commanded = track.commanded_mps;
+  if (commanded * obeyed_.least() > speed) {
+    commanded *= 1.0 - std::min(1.0, kCommandForgotten * seconds);
+  }
+  commanded = std::max(commanded, speed / obeyed_.most());
 }
 
 void GovernedSpeed::notePlace(Track& track, Time now) const {
@@ -175,7 +183,7 @@ bool GovernedSpeed::isBehindAnother(const Track& track, const Vector3& p_fixed) 
     const Pose& T_fixed_other = kinematics_.shapePoses()[other.shape];
     const Shape& shape = model_->shapes()[other.shape].shape;
     return distance(shape, T_fixed_other.inverse() * p_fixed) <
-           config_.appear_distance_m - config_.place_step_m;
+           config_.appear_distance_m - kNearer;
   });
 }
 

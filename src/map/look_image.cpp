@@ -11,7 +11,8 @@ namespace {
 constexpr double kNearest = 1e-3;  // [m]; what is this near has no direction
 
 /// Pixels; a thing as large as a hand shows in directions beside that of its middle.
-constexpr double kNeighbours = 1.6;
+constexpr double kNeighbours = 1.0;
+constexpr LookImage::Ticks kSameStroke = 100;  // [ms] between passes in neighbouring directions
 
 /// Whether a pass saw the place itself; what the robot ends on hides all that is behind it.
 bool reached(const LookImage::Pass& pass, double range_m, double margin_m) {
@@ -101,7 +102,7 @@ Time LookImage::lookedAround(const Vector3& p_fixed, double angle) const {
 }
 
 template <typename Visit>
-void LookImage::visitReached(const Vector3& p_fixed, double margin_m, Visit&& visit) const {
+void LookImage::visitSeen(const Vector3& p_fixed, double margin_m, Visit&& visit) const {
   const Vector3 sight = p_fixed - viewpoint_;
   const double range = sight.norm();
   if (!(range > kNearest)) return;
@@ -109,32 +110,35 @@ void LookImage::visitReached(const Vector3& p_fixed, double margin_m, Visit&& vi
   const int row = grid_.rowOfPixel(static_cast<std::size_t>(pixel));
   const int column = pixel - row * grid_.columns();
   const double along_least = range * std::cos(kNeighbours * grid_.resolution());
-  const auto visitPixel = [&](int r, int c) {
-    if (r < row_begin_ || r >= row_end_) return;
+  const auto reachedWith = [&](const Pass& own, int r, int c) {
+    if (r < row_begin_ || r >= row_end_) return false;
     const std::size_t near = grid_.index(r, grid_.wrapped(c));
-    if (grid_.middle(near).dot(sight) < along_least) return;
-    for (const Pass& pass : passes_[near]) {
-      if (reached(pass, range, margin_m)) visit(pass);
-    }
+    if (grid_.middle(near).dot(sight) < along_least) return false;
+    return std::any_of(passes_[near].begin(), passes_[near].end(), [&](const Pass& pass) {
+      return reached(pass, range, margin_m) && pass.first <= own.last + kSameStroke &&
+             own.first <= pass.last + kSameStroke;
+    });
   };
-  visitPixel(row, column);
-  visitPixel(row, column - 1);
-  visitPixel(row, column + 1);
-  visitPixel(row - 1, column);
-  visitPixel(row + 1, column);
+  for (const Pass& own : passes_[static_cast<std::size_t>(pixel)]) {
+    if (own.end == End::kNever) return;
+    const bool is_seen = reached(own, range, margin_m) || reachedWith(own, row, column - 1) ||
+                         reachedWith(own, row, column + 1) || reachedWith(own, row - 1, column) ||
+                         reachedWith(own, row + 1, column);
+    if (is_seen) visit(own);
+  }
 }
 
 bool LookImage::passedSince(Time since, const Vector3& p_fixed, double margin_m) const {
   bool passed = false;
-  visitReached(p_fixed, margin_m,
-               [&](const Pass& pass) { passed = passed || timeOf(pass.first) > since; });
+  visitSeen(p_fixed, margin_m,
+            [&](const Pass& pass) { passed = passed || timeOf(pass.first) > since; });
   return passed;
 }
 
 std::optional<Time> LookImage::nextLook(const Vector3& p_fixed, double margin_m, Time now,
                                         Duration period, Duration late_max) const {
   std::optional<Time> next;
-  visitReached(p_fixed, margin_m, [&](const Pass& pass) {
+  visitSeen(p_fixed, margin_m, [&](const Pass& pass) {
     const Time due = timeOf(pass.first) + period;
     if (due >= now - late_max && (!next || due < *next)) next = due;
   });

@@ -124,5 +124,48 @@ TEST(LookImageTest, AResolutionThatIsNoneIsRefused) {
   EXPECT_THROW(LookImage(1.0), ConfigError);
 }
 
+/// The same with passes in the direction beside it to the left.
+LookImage withBeside(LookImage image, LookImage::Pass newest, LookImage::Pass before = {}) {
+  const auto pixel = static_cast<int>(image.grid().pixelOf(kAhead));
+  const int row = image.grid().rowOfPixel(static_cast<std::size_t>(pixel));
+  const int column = pixel - row * image.grid().columns();
+  image.edit(row, image.grid().wrapped(column + 1)) = {newest, before};
+  return image;
+}
+
+constexpr Duration kPeriod = std::chrono::milliseconds(1600);
+constexpr Duration kLate = std::chrono::milliseconds(200);
+
+TEST(LookImageTest, TheNextLookIsAPeriodAfterOneThatReached) {
+  const LookImage image = ahead({3000, 3000, 900, End::kSurface}, {2400, 2450, 900, End::kSurface});
+  const Vector3 place = placeAhead(0.8);
+  EXPECT_EQ(image.nextLook(place, 0.0, at(103.1), kPeriod, kLate), at(104.0));
+  EXPECT_EQ(image.nextLook(place, 0.0, at(104.1), kPeriod, kLate), at(104.0)) << "a little late";
+  EXPECT_EQ(image.nextLook(place, 0.0, at(104.3), kPeriod, kLate), at(104.6));
+  EXPECT_EQ(image.nextLook(place, 0.0, at(104.9), kPeriod, kLate), std::nullopt) << "overdue";
+  EXPECT_EQ(image.nextLook(placeAhead(1.0), 0.0, at(103.1), kPeriod, kLate), std::nullopt);
+  EXPECT_TRUE(image.passedSince(at(102.9), place, 0.0));
+  EXPECT_FALSE(image.passedSince(at(103.0), place, 0.0));
+}
+
+TEST(LookImageTest, WhatTheRobotHidTheDirectionBesideMayShowInTheSameStroke) {
+  const LookImage own = ahead({3000, 3000, 400, End::kRobot});
+  const Vector3 place = kViewpoint + 0.8 * Vector3(1.0, 0.028, 0.017).normalized();
+  EXPECT_FALSE(own.passedSince(at(102.9), place, 0.0));
+  const LookImage image = withBeside(own, {3040, 3040, 900, End::kSurface});
+  EXPECT_TRUE(image.passedSince(at(102.9), place, 0.0));
+  EXPECT_EQ(image.nextLook(place, 0.0, at(103.1), kPeriod, kLate), at(104.6))
+      << "when its own direction is looked in";
+}
+
+TEST(LookImageTest, ALookBesideIsNoneBeforeThePlaceIsLookedAtItself) {
+  const Vector3 place = placeAhead(0.8);
+  const LookImage::Pass beside{3600, 3600, 900, End::kSurface};
+  const LookImage image = withBeside(ahead({3000, 3000, 900, End::kSurface}), beside);
+  EXPECT_FALSE(image.passedSince(at(103.1), place, 0.0));
+  EXPECT_EQ(image.nextLook(place, 0.0, at(103.7), kPeriod, kLate), at(104.6));
+  EXPECT_FALSE(withBeside(ahead({}), beside).passedSince(at(103.1), place, 0.0));
+}
+
 }  // namespace
 }  // namespace tccm

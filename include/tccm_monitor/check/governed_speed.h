@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "tccm_monitor/check/obeyed_scale.h"
 #include "tccm_monitor/geometry/shape.h"
 #include "tccm_monitor/map/cuboid_map.h"
 #include "tccm_monitor/robot/joint_states.h"
@@ -83,7 +84,7 @@ class GovernedSpeed {
   void addTracks(std::size_t shape);
   void move(Time now, const JointSnapshot& joints, const std::vector<Pose>& T_fixed_roots,
             double applied_scale);
-  void estimateCommand(Track& track, double seconds, double scale) const;
+  void estimateCommand(Track& track, double seconds) const;
   void notePlace(Track& track, Time now) const;
   [[nodiscard]] bool isBehindAnother(const Track& track, const Vector3& p_fixed) const;
   [[nodiscard]] double marginAt(const LookImage& looks, const Vector3& p_fixed) const;
@@ -99,8 +100,8 @@ class GovernedSpeed {
   std::vector<Track> tracks_;
   std::optional<Time> last_;
   std::uint32_t serial_ = 0;
-  double delay_s_ = 0.0;       ///< from a scan's first beam to the check on it, the longest lately
-  double scale_lately_ = 1.0;  ///< the largest scale that the robot may still be moving at
+  double delay_s_ = 0.0;  ///< from a scan's first beam to the check on it, the longest lately
+  ObeyedScale obeyed_;
   Limit limit_;
 };
 

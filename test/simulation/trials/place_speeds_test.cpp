@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "simulation/robot/dual_arm.h"
 
 namespace tccm::simulation {
@@ -27,6 +29,21 @@ TEST(PlaceSpeedsTest, WhereNothingGovernsTheCommandedSpeedIsAllowedAtEveryPhase)
     EXPECT_GT(result.travelled_mps, 0.2);
     EXPECT_LT(result.travelled_mps, 0.4);
   }
+}
+
+TEST(PlaceSpeedsTest, AHandsPartsLieAroundItsPlace) {
+  PlaceSpeeds::Config config = ungoverned();
+  config.duration_s = 9.5;
+  config.links = {"*_palm_link", "*_finger_link"};
+  const auto tilts = PlaceSpeeds(config, dualArm(), 45.0 * kDegree, 1).run().part_tilts_rad;
+  ASSERT_GE(tilts.size(), 3U) << "of the hand that moves alone";
+  ASSERT_LE(tilts.size(), 6U);
+  for (const double tilt : tilts) {
+    EXPECT_GT(tilt, 35.0 * kDegree) << "fingers are ahead of the palm";
+    EXPECT_LT(tilt, 45.0 * kDegree);
+  }
+  EXPECT_NE(*std::min_element(tilts.begin(), tilts.end()),
+            *std::max_element(tilts.begin(), tilts.end()));
 }
 
 TEST(PlaceSpeedsTest, ATiltThatLooksLevelOrStraightDownIsRefused) {
