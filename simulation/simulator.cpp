@@ -71,6 +71,10 @@ void Simulator::Config::validate() const {
   requireInRange("wander_length_m", wander_length_m, 1.0, 1000.0);
   requireInRange("wander_clearance_m", wander_clearance_m, 0.0, 0.2);
   body_error.validate();
+  if (reaches_from_rad && !(obstacle_speed_mps > 0.0)) {
+    throw ConfigError(
+        "obstacle_speed_mps: must be above 0 where the obstacle reaches for the hand");
+  }
   if (motion == kCommanded && obstacle != ObstacleKind::kNone && obstacle_speed_mps > 0.0) {
     throw ConfigError("obstacle_speed_mps: must be 0 where the arms are commanded");
   }
@@ -244,6 +248,7 @@ double Simulator::handTravel() const {
 /// Path that must be left when the obstacle appears [m].
 double Simulator::roomForObstacle() const {
   const bool collides = config_.purpose == ObstaclePurpose::kCollision;
+  if (config_.reaches_from_rad) return handTravel();
   return handTravel() + (collides ? config_.gap_m + kRoomToHit : 0.0);
 }
 
@@ -272,15 +277,35 @@ bool Simulator::handIsOnItsWay() const {
          place_m >= std::min(config_.appear_from_m, last_m - kLastRoom) && place_m <= last_m;
 }
 
+/// In the place that it comes to.
+World Simulator::obstacleBefore(const HandState& hand) const {
+  if (config_.reaches_from_rad) {
+    Pose T_fixed_obstacle(Eigen::Translation3d(hand.centre));
+    T_fixed_obstacle.rotate(Eigen::AngleAxisd(
+        std::atan2(hand.heading.y(), hand.heading.x()) + *config_.reaches_from_rad,
+        Vector3::UnitZ()));
+    return obstacleAt(config_.obstacle, T_fixed_obstacle);
+  }
+  if (config_.purpose == ObstaclePurpose::kCollision) {
+    return obstacleAhead(config_.obstacle, hand, config_.gap_m, config_.stance);
+  }
+  const Vector3 sensor = kinematics_.linkPoses()[sensor_].translation();
+  return obstacleBetween(config_.obstacle, sensor, hand.centre, config_.stance);
+}
+
+/// From the right, unless it reaches for the palm.
+Vector3 Simulator::comesFrom(const HandState& hand) const {
+  const Vector3 level(hand.heading.x(), hand.heading.y(), 0.0);
+  if (!config_.reaches_from_rad) return hand.heading.cross(Vector3::UnitZ()).normalized();
+  return Eigen::AngleAxisd(*config_.reaches_from_rad, Vector3::UnitZ()) * level.normalized();
+}
+
 void Simulator::addObstacle(double hand_travel_m) {
   const HandState hand = handAfter(hand_travel_m);
-  const Vector3 sensor = kinematics_.linkPoses()[sensor_].translation();
-  World obstacle = config_.purpose == ObstaclePurpose::kCollision
-                       ? obstacleAhead(config_.obstacle, hand, config_.gap_m, config_.stance)
-                       : obstacleBetween(config_.obstacle, sensor, hand.centre, config_.stance);
+  World obstacle = obstacleBefore(hand);
   Entrance entrance{now_};
   if (config_.obstacle_speed_mps > 0.0) {
-    entrance.offset = kBringWay * hand.heading.cross(Vector3::UnitZ()).normalized();
+    entrance.offset = kBringWay * comesFrom(hand);
     entrance.speed_mps = config_.obstacle_speed_mps;
   }
   first_obstacle_ = world_.size();

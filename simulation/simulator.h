@@ -70,6 +70,9 @@ class Simulator {
     /// Above 0: the obstacle is brought in from 0.4 m aside at this speed, and is in its place when
     /// a hand that went on would be gap_m away. 0: it appears in its place.
     double obstacle_speed_mps = 0.0;
+    /// It reaches for the palm itself instead, and comes from this direction: about the upright,
+    /// counterclockwise from the hand's heading. Its speed is above 0.
+    std::optional<double> reaches_from_rad;
     /// How the body that the beams meet differs from the description. Distances in Truth are those
     /// of the description.
     BodyError body_error;
@@ -120,6 +123,8 @@ class Simulator {
   void requireRoomForObstacle() const;
   [[nodiscard]] bool handIsOnItsWay() const;
   void maybeAddObstacle();
+  [[nodiscard]] World obstacleBefore(const HandState& hand) const;
+  [[nodiscard]] Vector3 comesFrom(const HandState& hand) const;
   void addObstacle(double hand_travel_m);
   [[nodiscard]] std::optional<SimulatedScan> maybeFinishScan();
   void noteFirstBeam(const SimulatedScan& scan);

@@ -52,6 +52,10 @@ void writeTiming(const TrialOptions& options, const Findings& findings, double t
                                    {"times_real_time", findings.simulated_s / took_s}};
   if (!findings.timing.is_null()) timing.update(findings.timing);
   writeText((std::filesystem::path(options.out) / "timing.json").string(), timing.dump(2) + '\n');
+  if (timing.contains("processing_us")) {
+    std::printf("processing     %.2f ms from a scan's beams to the verdict at p99\n",
+                1e-3 * timing["processing_us"]["p99"].get<double>());
+  }
   std::printf("took           %.1f s, %.0f times as fast as real time, on %d thread%s\n", took_s,
               findings.simulated_s / took_s, options.jobs, options.jobs > 1 ? "s" : "");
 }
@@ -89,7 +93,8 @@ int main(int argc, char** argv) {
   TrialOptions options;
   declare(app, options);
   const std::vector<Experiment> experiments = {stoppingExperiment(app), hoverExperiment(app),
-                                               visibilityExperiment(app), governedExperiment(app)};
+                                               visibilityExperiment(app), governedExperiment(app),
+                                               handsExperiment(app)};
   try {
     app.parse(argc, argv);
     return run(chosen(experiments), options);

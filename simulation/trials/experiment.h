@@ -46,6 +46,7 @@ struct Experiment {
 [[nodiscard]] Experiment stoppingExperiment(CLI::App& app);
 [[nodiscard]] Experiment hoverExperiment(CLI::App& app);
 [[nodiscard]] Experiment visibilityExperiment(CLI::App& app);
+[[nodiscard]] Experiment handsExperiment(CLI::App& app);
 [[nodiscard]] Experiment governedExperiment(CLI::App& app);
 
 /// The seed of a trial: those of one run differ by one, those of different runs by more.

@@ -92,7 +92,8 @@ std::string rowOf(const Case& one) {
          orNothing(r.left_m) + ',' + orNothing(r.beam_s) + ',' + orNothing(r.way_beam_s) + ',' +
          orNothing(r.support_s) + ',' + orNothing(r.due_s) + ',' + orNothing(r.stop_s) + ',' +
          orNothing(r.contact_s) + ',' + (r.delay_scans ? std::to_string(*r.delay_scans) : "") +
-         ',' + (r.avoidable_from_beam ? "1," : "0,") + (r.avoidable_from_support ? "1\n" : "0\n");
+         ',' + (r.avoidable_from_beam ? "1," : "0,") + (r.avoidable_from_support ? "1," : "0,") +
+         (r.cause ? name(*r.cause) : "") + '\n';
 }
 
 /// Null where there are none.
@@ -161,6 +162,49 @@ class Tally {
   std::vector<double> delays_, waits_ms_, left_mm_;
 };
 
+/// Contacts by what caused them, over speed and phase of the tilt when the obstacle appeared.
+class CausesByPhase {
+ public:
+  static constexpr std::size_t kPhases = 8;
+
+  void add(double speed_mps, const StoppingTrial::Result& result) {
+    if (!result.cause) return;
+    ++counts_[{speed_mps, *result.cause}][phaseOf(result.tilt_phase)];
+  }
+  [[nodiscard]] Json toJson() const {
+    Json rows = Json::array();
+    for (const auto& [key, counts] : counts_) {
+      rows.push_back({{"speed_mps", key.first}, {"cause", name(key.second)}, {"by_phase", counts}});
+    }
+    return rows;
+  }
+  /// A table in Markdown; empty where nothing touched.
+  [[nodiscard]] std::vector<std::string> table() const {
+    if (counts_.empty()) return {};
+    std::vector<std::string> lines = {"| contacts at | because | by phase of the tilt, from 0",
+                                      "|---:|---|---:"};
+    for (std::size_t i = 1; i < kPhases; ++i) {
+      lines[0] += " | " + fixed(static_cast<double>(i) / kPhases, 3);
+      lines[1] += "|---:";
+    }
+    lines[0] += " |";
+    lines[1] += '|';
+    for (const auto& [key, counts] : counts_) {
+      std::string line = "| " + fixed(1e3 * key.first, 0) + " mm/s | " + name(key.second);
+      for (const std::size_t count : counts) line += " | " + std::to_string(count);
+      lines.push_back(line + " |");
+    }
+    return lines;
+  }
+
+ private:
+  static std::size_t phaseOf(double phase) {
+    return std::min(kPhases - 1, static_cast<std::size_t>(phase * kPhases));
+  }
+
+  std::map<std::pair<double, StoppingTrial::Cause>, std::array<std::size_t, kPhases>> counts_;
+};
+
 std::string speedName(double speed_mps) { return fixed(1e3 * speed_mps, 0) + " mm/s"; }
 
 void add(const std::vector<Case>& cases, const StoppingOptions& options, Findings& findings) {
@@ -169,7 +213,9 @@ void add(const std::vector<Case>& cases, const StoppingOptions& options, Finding
   std::vector<double> processing_us;
   std::map<double, Tally> by_speed;
   std::map<std::string, Tally> by_obstacle;
+  CausesByPhase causes;
   for (const Case& one : cases) {
+    causes.add(one.speed_mps, one.result);
     findings.rows += rowOf(one);
     findings.simulated_s += one.result.simulated_s;
     all.add(one.result);
@@ -191,7 +237,9 @@ void add(const std::vector<Case>& cases, const StoppingOptions& options, Finding
   }
   findings.timing["processing_us"] = quantiles(std::move(processing_us));
   findings.figures["all"] = all.toJson();
+  findings.figures["contacts"] = causes.toJson();
   findings.lines.push_back(all.line("all"));
+  for (const std::string& line : causes.table()) findings.lines.push_back(line);
   if (all.avoidableFromSupport() > 0) findings.missed.emplace_back("avoidable_from_support");
   if (beam_missed) findings.missed.emplace_back("avoidable_from_first_beam");
   const bool none_may_touch =
@@ -247,7 +295,7 @@ Findings runStopping(StoppingOptions options, const TrialOptions& common,
   findings.rows =
       "seed,speed_mps,obstacle,gap_m,aside_m,turn_rad,tilt_phase,outcome,reason,left_m,beam_s,"
       "way_beam_s,support_s,due_s,stop_s,contact_s,delay_scans,avoidable_from_beam,avoidable_from_"
-      "support\n";
+      "support,cause\n";
   add(cases, options, findings);
   return findings;
 }

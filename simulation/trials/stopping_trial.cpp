@@ -63,11 +63,30 @@ const char* name(StoppingTrial::Outcome outcome) {
   return "undecided";
 }
 
+const char* name(StoppingTrial::Cause cause) {
+  switch (cause) {
+    case StoppingTrial::Cause::kNotLookedAt:
+      return "not_looked_at";
+    case StoppingTrial::Cause::kLookedAtTooLate:
+      return "looked_at_too_late";
+    case StoppingTrial::Cause::kSupportedTooLate:
+      return "supported_too_late";
+    case StoppingTrial::Cause::kAvoidable:
+      break;
+  }
+  return "avoidable";
+}
+
 void StoppingTrial::Config::validate() const {
   controller.validate();
   scanner.validate();
   requireInRange("tilt_period_s", tilt_period_s, 0.1, 60.0);
   requireInRange("obstacle_speed_mps", obstacle_speed_mps, 0.0, 10.0);
+  if (reaches_from_rad) {
+    const auto& [from, to] = *reaches_from_rad;
+    requireInRange("reaches_from_rad", from, -M_PI, M_PI);
+    requireInRange("reaches_from_rad", to, from, M_PI);
+  }
   requireInRange("gap_min_m", gap_min_m, 0.01, 0.25);
   requireInRange("gap_max_m", gap_max_m, gap_min_m, 0.25);
   requireInRange("aside_max_m", aside_max_m, 0.0, 0.1);
@@ -114,6 +133,11 @@ Simulator::Config StoppingTrial::simulatorConfig(std::uint64_t seed) {
   config.stance.aside_m = draw.between(-config_.aside_max_m, config_.aside_max_m);
   config.stance.turn_rad = draw.between(-config_.turn_max_rad, config_.turn_max_rad);
   config.body_error.size_m = config_.body_error_m;
+  if (config_.reaches_from_rad) {
+    const auto& [from, to] = *config_.reaches_from_rad;
+    config.reaches_from_rad = draw.between(from, to);
+    result_.reaches_from_rad = config.reaches_from_rad;
+  }
   result_.seed = seed;
   result_.tilt_phase = config.head.tilt.phase_rad / (2.0 * M_PI);  // at the start, as yet
   result_.gap_m = config.gap_m;
@@ -132,8 +156,11 @@ StoppingTrial::Result StoppingTrial::run() {
   }
   result_.outcome = *outcome;
   if (appeared_) result_.left_m = exactClearance(armNow(), obstacleNow());
-  result_.avoidable_from_beam = *outcome == Outcome::kTouched && brakesInTime(way_beam_);
-  result_.avoidable_from_support = *outcome == Outcome::kTouched && brakesInTime(support_);
+  if (*outcome == Outcome::kTouched) {
+    result_.avoidable_from_beam = brakesInTime(way_beam_);
+    result_.avoidable_from_support = brakesInTime(support_);
+    result_.cause = causeOfContact();
+  }
   result_.simulated_s = toSeconds(simulation_.simulator().now() - start_);
   return result_;
 }
@@ -267,6 +294,12 @@ StoppingTrial::Judged StoppingTrial::judgedNow() const {
   return {simulation_.simulator().now(), controller.distance(), controller.speed(), scans_};
 }
 
+StoppingTrial::Cause StoppingTrial::causeOfContact() const {
+  if (result_.avoidable_from_support) return Cause::kAvoidable;
+  if (result_.avoidable_from_beam) return Cause::kSupportedTooLate;
+  return way_beam_ ? Cause::kLookedAtTooLate : Cause::kNotLookedAt;
+}
+
 bool StoppingTrial::brakesInTime(const std::optional<Judged>& from) const {
   if (!from) return false;
   const double v = from->speed_mps;
@@ -299,6 +332,7 @@ std::optional<StoppingTrial::Outcome> StoppingTrial::outcomeSoFar() {
   const auto& hand = simulator.truth().hand.back();
   if (exactlyTouch(armNow(), obstacleNow())) {  // the whole arm, not the hand alone
     result_.contact_s = sinceAppeared(simulator.now());
+    result_.contact_speed_mps = std::abs(simulator.controller().speed());
     return Outcome::kTouched;
   }
   const bool arrived = simulator.truth().in_place <= simulator.now();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -23,6 +24,9 @@ class StoppingTrial {
     double tilt_period_s = 1.575;
     ObstacleKind obstacle = ObstacleKind::kPole;
     double obstacle_speed_mps = 0.0;  ///< 0: it appears in its place at once
+    /// It reaches for the palm, from a direction between these two, counterclockwise from the
+    /// hand's heading [rad].
+    std::optional<std::array<double, 2>> reaches_from_rad;
     double gap_min_m = 0.14, gap_max_m = 0.16;
     double aside_max_m = 0.04;    ///< to either side of the middle of the way
     double turn_max_rad = 0.5;    ///< to either side
@@ -42,9 +46,18 @@ class StoppingTrial {
     kUndecided,   ///< neither until the end
   };
 
+  /// Why an arm touches.
+  enum class Cause {
+    kNotLookedAt,       ///< no beam met what is in the way before the contact
+    kLookedAtTooLate,   ///< once the first such beam's scan was judged, it could not brake in time
+    kSupportedTooLate,  ///< that beam came in time, the scan that gave it its support did not
+    kAvoidable,         ///< braking once that scan was judged would have been in time
+  };
+
   struct Result {
     std::uint64_t seed = 0;
     double gap_m = 0.0, aside_m = 0.0, turn_rad = 0.0;
+    std::optional<double> reaches_from_rad;
     double tilt_phase = 0.0;  ///< of a period, when the obstacle appeared, 0..1
     Outcome outcome = Outcome::kUndecided;
     std::string reason;  ///< why the permission went
@@ -57,10 +70,12 @@ class StoppingTrial {
     std::optional<double> due_s;       ///< a contact came within the time that a stop is due in
     std::optional<double> stop_s;      ///< permission went
     std::optional<double> contact_s;   ///< of the arm with it
+    double contact_speed_mps = 0.0;    ///< of the palm, then
     std::optional<int> delay_scans;    ///< from when a stop was due and the part supported
     /// Of a contact: whether braking once a scan with that evidence of what is in the way was
     /// judged would have come in time.
     bool avoidable_from_beam = false, avoidable_from_support = false;
+    std::optional<Cause> cause;  ///< of a contact
     double simulated_s = 0.0;
     /// Of each scan from the obstacle on, from beams to verdict: no result of the seed.
     std::vector<double> processing_us;
@@ -98,6 +113,7 @@ class StoppingTrial {
   [[nodiscard]] bool hasSupport(const Evidence& evidence) const;
   [[nodiscard]] Judged judgedNow() const;
   [[nodiscard]] double sinceAppeared(Time stamp) const { return toSeconds(stamp - *appeared_); }
+  [[nodiscard]] Cause causeOfContact() const;
   /// Whether braking from then on would end before the contact.
   [[nodiscard]] bool brakesInTime(const std::optional<Judged>& from) const;
   [[nodiscard]] const Body& armNow();
@@ -127,5 +143,6 @@ class StoppingTrial {
 };
 
 [[nodiscard]] const char* name(StoppingTrial::Outcome outcome);
+[[nodiscard]] const char* name(StoppingTrial::Cause cause);
 
 }  // namespace tccm::simulation

@@ -26,13 +26,17 @@ SPEEDS = """tilt_deg,constant_mps,governed_mps,phase_0_mps,phase_1_mps
 15.0,0.09,0.12,0.1,0.14
 20.0,0.10,0.13,0.11,0.15
 """
+HANDS = {"hands": [{"from": "side", "hand_mps": 0.5, "tilt_period_s": 1.575, "trials": 4,
+                    "seen_before_contact": 3, "stopped_before_contact": 1,
+                    "touched_in_motion": 2}]}
 
 
 class PictureTest(unittest.TestCase):
-    def pictures(self, experiment, rows, settings=None, speeds=SPEEDS):
+    def pictures(self, experiment, rows, settings=None, speeds=SPEEDS, figures=None):
         with tempfile.TemporaryDirectory() as name:
             folder = pathlib.Path(name)
-            results = {"experiment": experiment, "settings": settings or {}}
+            results = {"experiment": experiment, "settings": settings or {},
+                       "figures": figures or {}}
             (folder / "results.json").write_text(json.dumps(results), encoding="utf-8")
             (folder / "results.csv").write_text(rows, encoding="utf-8")
             (folder / "speeds.csv").write_text(speeds, encoding="utf-8")
@@ -46,6 +50,12 @@ class PictureTest(unittest.TestCase):
                 (name, size), = self.pictures(experiment, rows, settings)
                 self.assertEqual(name, experiment + ".png")
                 self.assertGreater(size, 10000)
+
+    def test_hands_have_theirs(self):
+        (name, size), = self.pictures("hands", "seed\n1\n", figures=HANDS)
+        self.assertEqual(name, "hands.png")
+        self.assertGreater(size, 10000)
+        self.assertEqual(self.pictures("hands", "seed\n", figures={"hands": []}), [])
 
     def test_where_nothing_was_tried_nothing_is_drawn(self):
         for experiment, rows in (("hover", HOVER), ("visibility", VISIBILITY)):

@@ -35,9 +35,12 @@ class TrialsTest(unittest.TestCase):
         for row in rows:
             self.assertIn(row["outcome"], ("stopped", "touched"))
             self.assertEqual(row["outcome"] == "touched", row["contact_s"] != "")
+            self.assertEqual(row["outcome"] == "touched", row["cause"] != "")
         figures = results["figures"]
         self.assertEqual(figures["all"]["trials"], 6)
         self.assertEqual(figures["by_speed"]["100 mm/s"]["stopped"], 2)
+        self.assertEqual(sum(sum(row["by_phase"]) for row in figures["contacts"]),
+                         figures["all"]["touched"])
         with open(os.path.join(self.folder.name, "out", "timing.json")) as f:
             self.assertGreater(json.load(f)["processing_us"]["p99"], 0.0)
 
@@ -46,6 +49,17 @@ class TrialsTest(unittest.TestCase):
                                              "0.15", "--gap-min-m", "0.15", "--gap-max-m", "0.151")
         self.assertEqual((status, results["limits_missed"]), (0, []))
         self.assertEqual([row["outcome"] for row in rows], 3 * ["stopped"])
+
+    def test_hands_that_reach_for_the_arm_are_told_by_side_speed_and_period(self):
+        status, results, rows = self.results("hands", "--trials", "1", "--hand-speeds", "0.5,1.6",
+                                             "--tilt-periods", "1.575", "--speeds", "0.25")
+        self.assertEqual((status, results["limits_missed"]), (0, []))
+        cells = results["figures"]["hands"]
+        self.assertEqual([(cell["from"], cell["hand_mps"]) for cell in cells],
+                         [("side", 0.5), ("side", 1.6), ("behind", 0.5), ("behind", 1.6)])
+        for cell, row in zip(cells, rows):
+            self.assertEqual(cell["touched"], int(row["outcome"] == "touched"))
+            self.assertEqual(cell["touched_in_motion"], int(float(row["contact_speed_mps"]) > 0.005))
 
     def test_hovering_hands_stop_before_what_they_hide(self):
         status, results, rows = self.results("hover", "--trials", "6", "--ghosts", "1", "--seed",
@@ -58,14 +72,14 @@ class TrialsTest(unittest.TestCase):
             self.assertGreater(float(row["left_m"]), 0.0)
 
     def test_without_holding_what_is_hidden_contacts_miss_a_limit(self):
-        status, results, rows = self.results("hover", "--trials", "12", "--ghosts", "0",
+        status, results, rows = self.results("hover", "--trials", "8", "--ghosts", "0",
                                              "--hold-s", "0")
         self.assertEqual((status, results["limits_missed"]), (1, ["contacts"]))
         touched = [row for row in rows if row["outcome"] == "touched"]
         self.assertEqual(len(touched), results["figures"]["hover"]["touched"])
 
     def test_the_same_seed_gives_the_same_rows_whatever_the_number_of_threads(self):
-        arguments = ("hover", "--trials", "4", "--ghosts", "1")
+        arguments = ("stopping", "--trials", "4")
         once = self.results(*arguments, "--seed", "3")
         self.assertEqual(once, self.results(*arguments, "--seed", "3", "--jobs", "2", out="again"))
         self.assertNotEqual(once[2], self.results(*arguments, "--seed", "4", out="other")[2])

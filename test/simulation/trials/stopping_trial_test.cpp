@@ -37,7 +37,7 @@ TEST(StoppingTrialTest, ASlowArmStopsBeforeWhatAppearsAndAllThatLeadsToItIsInIts
     EXPECT_LE(*result.beam_s, *result.way_beam_s);
     EXPECT_LT(*result.way_beam_s, *result.support_s);
     EXPECT_LE(*result.support_s, *result.stop_s);
-    EXPECT_FALSE(result.contact_s);
+    EXPECT_FALSE(result.contact_s || result.cause);
     EXPECT_FALSE(result.avoidable_from_beam || result.avoidable_from_support);
   }
 }
@@ -53,6 +53,7 @@ TEST(StoppingTrialTest, AnArmThatIsNotMonitoredTouchesAndItCouldHaveBeenAvoided)
   EXPECT_NEAR(*result.contact_s - *result.due_s, config.monitor.checker.way.stop_time_s, 0.05);
   EXPECT_TRUE(result.avoidable_from_beam);
   EXPECT_TRUE(result.avoidable_from_support);
+  EXPECT_EQ(result.cause, StoppingTrial::Cause::kAvoidable);
   EXPECT_FALSE(result.stop_s);
 }
 
@@ -62,6 +63,10 @@ TEST(StoppingTrialTest, AnArmThatIsTooFastTouchesWhatNobodyCouldHaveSeenInTime) 
     const StoppingTrial::Result result = run(reaching(0.4), seed);
     touched += result.outcome == Outcome::kTouched ? 1 : 0;
     EXPECT_FALSE(result.avoidable_from_support) << seed;
+    EXPECT_EQ(result.cause.has_value(), result.outcome == Outcome::kTouched) << seed;
+    if (result.cause == StoppingTrial::Cause::kNotLookedAt) {
+      EXPECT_FALSE(result.way_beam_s) << seed;
+    }
   }
   EXPECT_GT(touched, 0U);
 }
@@ -89,6 +94,34 @@ TEST(StoppingTrialTest, WhatMakesNoSenseIsRefused) {
   config = reaching(0.1);
   config.gap_max_m = 0.1;
   EXPECT_THROW(StoppingTrial(config, dualArm(), 1), ConfigError);
+}
+
+TEST(StoppingTrialTest, AHandThatReachesForTheArmComesToItAndTheArmsSpeedThenIsKept) {
+  for (const double from_rad : {-M_PI_2, -2.6}) {
+    StoppingTrial::Config config = reaching(0.25);
+    config.obstacle = ObstacleKind::kArm;
+    config.obstacle_speed_mps = 1.6;
+    config.reaches_from_rad = {from_rad, from_rad};
+    const StoppingTrial::Result result = run(config, 5);
+    EXPECT_EQ(result.reaches_from_rad, from_rad);
+    EXPECT_EQ(result.outcome, Outcome::kTouched);
+    ASSERT_TRUE(result.contact_s);
+    EXPECT_GT(*result.contact_s, 0.05) << "on its way of 0.4 m, less the sizes of both";
+    EXPECT_LT(*result.contact_s, 0.4 / 1.6 + 0.02);
+    EXPECT_TRUE(result.cause);
+    if (!result.stop_s) {
+      EXPECT_NEAR(result.contact_speed_mps, 0.25, 0.01);
+    }
+  }
+}
+
+TEST(StoppingTrialTest, WhatReachesNeedsASpeed) {
+  StoppingTrial::Config config = reaching(0.25);
+  config.reaches_from_rad = {-1.0, 1.0};
+  EXPECT_THROW(run(config, 1), ConfigError);
+  config.reaches_from_rad = {1.0, -1.0};
+  config.obstacle_speed_mps = 1.0;
+  EXPECT_THROW(run(config, 1), ConfigError) << "from more to less";
 }
 
 }  // namespace
