@@ -1,5 +1,7 @@
 #include "simulation/monitored_simulation.h"
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -32,6 +34,11 @@ void MonitoredSimulation::obey(Obedience obedience) {
   simulator_.setStop(true);
 }
 
+void MonitoredSimulation::stampJointsLate(double late_s) {
+  constexpr double kSample = 0.01;  // [s]
+  joints_late_ = static_cast<std::size_t>(std::lround(std::clamp(late_s, 0.0, 0.1) / kSample));
+}
+
 bool MonitoredSimulation::step() {
   StepOutput output = simulator_.step();
   if (output.scan) waiting_.push_back(std::move(*output.scan));
@@ -45,7 +52,9 @@ void MonitoredSimulation::addRobot(const RobotSample& sample) {
   constexpr std::size_t kKept = 12;  // at 10 ms each: more than a scan and its wait
   if (recent_.size() == kKept) recent_.erase(recent_.begin());
   recent_.push_back(sample);
-  monitor_.addJoints(sample.stamp, sample.stamp, joints_, sample.positions, sample.velocities);
+  const RobotSample& heard =
+      recent_[recent_.size() - 1 - std::min(joints_late_, recent_.size() - 1)];
+  monitor_.addJoints(sample.stamp, sample.stamp, joints_, heard.positions, heard.velocities);
   check();
 }
 

@@ -27,6 +27,9 @@ class MonitoredSimulation {
   /// From now on the arms do what the verdicts say: they stop, and scale their speed. Until the
   /// first verdict they stand.
   void obey(Obedience obedience = Obedience::kStopAndScale);
+  /// From now on the monitor takes the joints to be where they were so long before [s]: their
+  /// states are stamped too late. The sensor's pose stays exact. @param late_s 0 to 0.1, to 10 ms.
+  void stampJointsLate(double late_s);
 
   /// Moves on by 1 ms. @return whether the robot's joints were heard of.
   /// @throws std::runtime_error where the monitor drops a scan: all that it needs is there.
@@ -55,6 +58,7 @@ class MonitoredSimulation {
   std::function<void(const SimulatedScan&)> on_scan_;
   std::function<void(const Verdict&)> on_verdict_;
   std::optional<Obedience> obedience_;  ///< nothing: the arms do as they like
+  std::size_t joints_late_ = 0;         ///< samples
   double processing_us_ = 0.0;
   std::vector<RobotSample> recent_;
   std::vector<SimulatedScan> waiting_;  ///< for a robot sample after their last beam

@@ -4,6 +4,7 @@
 #include <numeric>
 #include <random>
 #include <set>
+#include <utility>
 
 #include "tccm_monitor/config_error.h"
 
@@ -69,6 +70,7 @@ void SelfFilterTrial::Config::validate() const {
   simulator.validate();
   requireInRange("duration_s", duration_s, 1.0, 36000.0);
   requireInRange("pause_every_s", pause_every_s, 0.0, 3600.0);
+  requireInRange("joints_late_s", joints_late_s, 0.0, 0.1);
 }
 
 SelfFilterTrial::SelfFilterTrial(const Config& config, std::shared_ptr<const RobotModel> model)
@@ -76,7 +78,9 @@ SelfFilterTrial::SelfFilterTrial(const Config& config, std::shared_ptr<const Rob
       simulation_(config.simulator, config.monitor, std::move(model)),
       grid_(config.monitor.mapper.map.grid),
       random_(config.simulator.seed),
-      next_pause_change_(config.pause_every_s > 0.0 ? now() : Time::max()) {
+      next_pause_change_(config.pause_every_s > 0.0 && !config.obeys ? now() : Time::max()) {
+  if (config.obeys) simulation_.obey();
+  simulation_.stampJointsLate(config.joints_late_s);
   simulation_.onScan([this](const SimulatedScan& scan) { countBeams(scan); });
   simulation_.onVerdict([this](const Verdict& verdict) { countCheck(verdict); });
 }
@@ -122,6 +126,7 @@ void SelfFilterTrial::countCheck(const Verdict& verdict) {
   ++tally_.checks;
   if (verdict.collision) noteContacts(verdict);
   in_contact_ = verdict.collision;
+  notePermission(verdict);
 }
 
 SourceCounts SelfFilterTrial::supportersOf(const Verdict& verdict) {
@@ -129,6 +134,7 @@ SourceCounts SelfFilterTrial::supportersOf(const Verdict& verdict) {
   for (const auto* contacts : {&verdict.now.contacts, &verdict.ahead.contacts}) {
     for (const Contact& contact : *contacts) cuboids.insert(contact.cuboid);
   }
+  if (verdict.first_contact) cuboids.insert(verdict.first_contact->contact.cuboid);
   const Monitor& monitor = simulation_.monitor();
   const CuboidMap& map = *monitor.map();
   const double height_m = monitor.checker().config().pose.collision.support_height_m;
@@ -140,14 +146,24 @@ SourceCounts SelfFilterTrial::supportersOf(const Verdict& verdict) {
   return sum;
 }
 
+FalseContact SelfFilterTrial::contactOf(const Verdict& verdict) {
+  FalseContact contact{verdict.stamp, !verdict.now.collision, {}, {}};
+  const RobotModel& model = simulation_.monitor().checker().model();
+  const std::vector<Contact>& first =
+      verdict.now.collision ? verdict.now.contacts : verdict.ahead.contacts;
+  if (!first.empty()) {
+    contact.link = model.linkOf(first.front().shape);
+  } else if (verdict.first_contact) {
+    contact.link = model.linkOf(verdict.first_contact->contact.shape);
+  }
+  contact.supporters = supportersOf(verdict);
+  return contact;
+}
+
 void SelfFilterTrial::noteContacts(const Verdict& verdict) {
   ++tally_.checks_with_contact;
   if (verdict.now.collision) ++tally_.contacts_now;
-  const std::vector<Contact>& first =
-      verdict.now.collision ? verdict.now.contacts : verdict.ahead.contacts;
-  FalseContact contact{verdict.stamp, !verdict.now.collision, {}, {}};
-  contact.link = simulation_.monitor().checker().model().linkOf(first.front().shape);
-  contact.supporters = supportersOf(verdict);
+  const FalseContact contact = contactOf(verdict);
   for (std::size_t i = 0; i < kBeamSources; ++i) {
     if (contact.supporters[i] > 0) ++tally_.contacts_with[i];
   }
@@ -157,6 +173,18 @@ void SelfFilterTrial::noteContacts(const Verdict& verdict) {
   if (from(BeamSource::kOwn) || from(BeamSource::kOwnMixed)) ++tally_.contacts_with_body;
   if (!in_contact_ && tally_.first_contacts.size() < kContactsListed) {
     tally_.first_contacts.push_back(contact);
+  }
+}
+
+void SelfFilterTrial::notePermission(const Verdict& verdict) {
+  const bool for_contact =
+      verdict.reason == Reason::kCollision || verdict.reason == Reason::kCollisionAhead;
+  const double elapsed_s = toSeconds(verdict.stamp - std::exchange(last_check_, verdict.stamp));
+  if (permitted_) tally_.permitted_s += elapsed_s;
+  if (permitted_ && !verdict.stop && for_contact) tally_.slowed_s += elapsed_s;
+  const bool was_permitted = std::exchange(permitted_, !verdict.stop);
+  if (was_permitted && verdict.stop && for_contact && tally_.stops.size() < kContactsListed) {
+    tally_.stops.push_back(contactOf(verdict));
   }
 }
 

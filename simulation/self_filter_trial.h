@@ -43,6 +43,10 @@ struct SelfFilterTally {
   SourceCounts contacts_with{};
   std::size_t contacts_with_body = 0;        ///< checks with kOwn or kOwnMixed among them
   std::vector<FalseContact> first_contacts;  ///< of each run of such checks, at most 100
+  /// Where a permission went for a contact, at most 100.
+  std::vector<FalseContact> stops;
+  double permitted_s = 0.0;  ///< of checks, a robot sample each
+  double slowed_s = 0.0;     ///< of that, for a contact ahead
 
   [[nodiscard]] const BeamFates& of(BeamSource source) const {
     return fates[static_cast<std::size_t>(source)];
@@ -70,6 +74,8 @@ class SelfFilterTrial {
     double duration_s = 600.0;
     /// Every so often on average the arms pause, for a quarter of that; 0: they never do.
     double pause_every_s = 8.0;
+    bool obeys = false;          ///< the arms stop and slow down as they are told; they never pause
+    double joints_late_s = 0.0;  ///< as MonitoredSimulation::stampJointsLate()
 
     /// @throws ConfigError
     void validate() const;
@@ -86,6 +92,8 @@ class SelfFilterTrial {
   void countBeams(const SimulatedScan& scan);
   void countCheck(const Verdict& verdict);
   void noteContacts(const Verdict& verdict);
+  void notePermission(const Verdict& verdict);
+  [[nodiscard]] FalseContact contactOf(const Verdict& verdict);
   [[nodiscard]] SourceCounts supportersOf(const Verdict& verdict);
   [[nodiscard]] Time now() const { return simulation_.simulator().now(); }
 
@@ -97,6 +105,8 @@ class SelfFilterTrial {
   Time next_pause_change_;
   bool paused_ = false;
   bool in_contact_ = false;
+  bool permitted_ = false;
+  Time last_check_;
   SelfFilterTally tally_;
 };
 

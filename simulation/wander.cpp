@@ -264,16 +264,25 @@ class Wanderer {
   [[nodiscard]] bool passes(const Joints& here, const Joints& next, double travel) {
     constexpr double kRateMax = 2.5;     // [rad/s]
     constexpr double kTravelMin = 1e-3;  // [m]; slower palms would let the other joints race
+    constexpr int kLooksAhead = 4;
     if (travel < kTravelMin) return false;
-    Joints ahead = here;
-    Joints behind = here;
+    Joints rates(here.size());
     for (std::size_t j = 0; j < here.size(); ++j) {
-      const double rate = (next[j] - here[j]) / travel * config_.speed_mps;
-      if (std::abs(rate) > kRateMax) return false;
-      ahead[j] += rate * config_.horizon_s;
-      behind[j] -= rate * config_.horizon_s;
+      rates[j] = (next[j] - here[j]) / travel * config_.speed_mps;
+      if (std::abs(rates[j]) > kRateMax) return false;
     }
-    return check_.passes(here) && check_.passes(ahead) && check_.passes(behind);
+    if (!check_.passes(here)) return false;
+    // The furthest first: they fail most.
+    for (int i = kLooksAhead; i > 0; --i) {
+      const double later_s = config_.horizon_s * i / kLooksAhead;
+      if (!passesLater(here, rates, later_s) || !passesLater(here, rates, -later_s)) return false;
+    }
+    return true;
+  }
+
+  [[nodiscard]] bool passesLater(Joints joints, const Joints& rates, double seconds) {
+    for (std::size_t j = 0; j < joints.size(); ++j) joints[j] += seconds * rates[j];
+    return check_.passes(joints);
   }
 
   Model model_;

@@ -47,6 +47,8 @@ struct Experiment {
 [[nodiscard]] Experiment hoverExperiment(CLI::App& app);
 [[nodiscard]] Experiment visibilityExperiment(CLI::App& app);
 [[nodiscard]] Experiment handsExperiment(CLI::App& app);
+[[nodiscard]] Experiment falseStopsExperiment(CLI::App& app);
+[[nodiscard]] Experiment occlusionExperiment(CLI::App& app);
 [[nodiscard]] Experiment governedExperiment(CLI::App& app);
 
 /// The seed of a trial: those of one run differ by one, those of different runs by more.

@@ -1,5 +1,6 @@
 #include "simulation/trials/visibility_scene.h"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <random>
@@ -75,6 +76,42 @@ VisibilityScene visibilityScene(const Model& model, double clearance_m, std::uin
   }
   throw ConfigError("clearance_m: no obstacle keeps a clearance of " + std::to_string(clearance_m) +
                     " m");
+}
+
+ArmPath standing(const Model& model, const std::vector<double>& joints) {
+  std::vector<double> beside = joints;
+  beside[variableIndex(*model, "left_elbow_joint")] -= 1e-4;
+  beside[variableIndex(*model, "right_elbow_joint")] -= 1e-4;
+  return ArmPath(model, {joints, beside});
+}
+
+std::vector<TrueLinkVisibility> trueVisibility(const Model& model, const PoseCheck::Config& pose,
+                                               const std::vector<double>& joints, Body things,
+                                               bool rest_hides, double resolution_rad) {
+  const UsedShapes used = model->shapesFor(pose.occlusion_use, kOcclusionKeys);
+  Kinematics kinematics(model);
+  kinematics.update(joints, {Pose::Identity()});
+  Body links;
+  std::vector<std::uint32_t> link_of_shape;
+  for (std::size_t shape = 0; shape < model->shapes().size(); ++shape) {
+    const LinkShape& described = model->shapes()[shape];
+    const auto drawn = std::find(used.shapes.begin(), used.shapes.end(), shape);
+    if (drawn == used.shapes.end() && !rest_hides) continue;
+    Body& body = drawn == used.shapes.end() ? things : links;
+    body.poses.push_back(kinematics.shapePoses()[shape]);
+    if (drawn == used.shapes.end()) {
+      body.shapes.push_back(described.shape);
+      continue;
+    }
+    const auto i = static_cast<std::size_t>(drawn - used.shapes.begin());
+    body.shapes.push_back(expanded(described.shape, used.expansions[i]));
+    link_of_shape.push_back(static_cast<std::uint32_t>(described.link));
+  }
+  TrueVisibility::Config config;
+  config.resolution_rad = resolution_rad;
+  config.margin_m = pose.occlusion.margin_m;
+  return TrueVisibility(config).find(laserOrigin(model, TiltMotion().mean_rad), links,
+                                     link_of_shape, things);
 }
 
 }  // namespace tccm::simulation

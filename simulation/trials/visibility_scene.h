@@ -5,7 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "simulation/arm_path.h"
+#include "simulation/trials/true_visibility.h"
 #include "simulation/world.h"
+#include "tccm_monitor/check/pose_check.h"
 #include "tccm_monitor/robot/robot_model.h"
 
 namespace tccm::simulation {
@@ -23,5 +26,16 @@ struct VisibilityScene {
 /// @throws ConfigError where none is found.
 [[nodiscard]] VisibilityScene visibilityScene(const std::shared_ptr<const RobotModel>& model,
                                               double clearance_m, std::uint64_t seed);
+
+/// A path that stays in a posture, but for a hair.
+[[nodiscard]] ArmPath standing(const std::shared_ptr<const RobotModel>& model,
+                               const std::vector<double>& joints);
+
+/// How much of the links watched for occlusion the laser could see of a robot in a posture.
+/// @param things that hide links. @param rest_hides whether what else of the robot is there does.
+/// @param resolution_rad between rays.
+[[nodiscard]] std::vector<TrueLinkVisibility> trueVisibility(
+    const std::shared_ptr<const RobotModel>& model, const PoseCheck::Config& pose,
+    const std::vector<double>& joints, Body things, bool rest_hides, double resolution_rad);
 
 }  // namespace tccm::simulation

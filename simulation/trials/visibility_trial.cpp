@@ -16,15 +16,6 @@ VisibilityTrial::Config validated(const VisibilityTrial::Config& config) {
   return config;
 }
 
-/// A path that stays where it is, but for a hair.
-ArmPath standing(const std::shared_ptr<const RobotModel>& model,
-                 const std::vector<double>& joints) {
-  std::vector<double> beside = joints;
-  beside[variableIndex(*model, "left_elbow_joint")] -= 1e-4;
-  beside[variableIndex(*model, "right_elbow_joint")] -= 1e-4;
-  return ArmPath(model, {joints, beside});
-}
-
 Simulator::Config settingOf(const VisibilityTrial::Config& config,
                             const std::shared_ptr<const RobotModel>& model,
                             const VisibilityScene& scene, std::uint64_t seed) {
@@ -86,34 +77,10 @@ void VisibilityTrial::waitForMap() {
   result_.simulated_s = toSeconds(simulation_.simulator().now() - start);
 }
 
-/// Of a robot that stood in its pose while the map filled, what is not drawn hides links too.
 std::vector<TrueLinkVisibility> VisibilityTrial::truth() const {
-  const PoseCheck::Config& pose = simulation_.monitor().checker().config().pose;
-  const UsedShapes used = model_->shapesFor(pose.occlusion_use, kOcclusionKeys);
-  Kinematics kinematics(model_);
-  kinematics.update(scene_.joints, {Pose::Identity()});
-  Body links;
-  Body things = bodyOf(simulation_.simulator().world());
-  std::vector<std::uint32_t> link_of_shape;
-  for (std::size_t shape = 0; shape < model_->shapes().size(); ++shape) {
-    const LinkShape& described = model_->shapes()[shape];
-    const auto drawn = std::find(used.shapes.begin(), used.shapes.end(), shape);
-    if (drawn == used.shapes.end() && config_.robot == Robot::kAway) continue;
-    Body& body = drawn == used.shapes.end() ? things : links;
-    body.poses.push_back(kinematics.shapePoses()[shape]);
-    if (drawn == used.shapes.end()) {
-      body.shapes.push_back(described.shape);
-      continue;
-    }
-    const auto i = static_cast<std::size_t>(drawn - used.shapes.begin());
-    body.shapes.push_back(expanded(described.shape, used.expansions[i]));
-    link_of_shape.push_back(static_cast<std::uint32_t>(described.link));
-  }
-  TrueVisibility::Config config;
-  config.resolution_rad = config_.resolution_rad;
-  config.margin_m = pose.occlusion.margin_m;
-  return TrueVisibility(config).find(laserOrigin(model_, TiltMotion().mean_rad), links,
-                                     link_of_shape, things);
+  return trueVisibility(model_, simulation_.monitor().checker().config().pose, scene_.joints,
+                        bodyOf(simulation_.simulator().world()), config_.robot == Robot::kInPose,
+                        config_.resolution_rad);
 }
 
 VisibilityTrial::Result VisibilityTrial::run() {

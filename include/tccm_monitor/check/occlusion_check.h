@@ -31,7 +31,7 @@ class OcclusionCheck {
     double resolution_rad = 0.035;  ///< edge of a pixel; finer than the scans are is of no use
     double margin_m = 0.05;         ///< a cuboid hides only what lies behind it by more
     /// A link is occluded where at least this share of its silhouette is.
-    double hidden_fraction = 0.3;
+    double hidden_fraction = 0.15;
     /// Less than this many pixels of silhouette are too few to judge by.
     double silhouette_min_pixels = 2.0;
     /// Looks that are older than so many tilt periods say nothing.
