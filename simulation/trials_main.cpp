@@ -95,7 +95,7 @@ int main(int argc, char** argv) {
   const std::vector<Experiment> experiments = {stoppingExperiment(app),   hoverExperiment(app),
                                                visibilityExperiment(app), governedExperiment(app),
                                                handsExperiment(app),      falseStopsExperiment(app),
-                                               occlusionExperiment(app)};
+                                               occlusionExperiment(app),  updatesExperiment(app)};
   try {
     app.parse(argc, argv);
     return run(chosen(experiments), options);

@@ -35,12 +35,6 @@ std::uint32_t Columns::take(const Interval& interval) {
   return index;
 }
 
-void Columns::release(std::uint32_t index) {
-  pool_[index].next = free_;
-  free_ = index;
-  --used_;
-}
-
 bool Columns::insert(CellIndex cell, Height bottom, Height top, std::uint32_t serial) {
   assert(bottom < top);
   // One interval of its own, and one more where it splits another in two.
@@ -94,19 +88,6 @@ bool Columns::insert(CellIndex cell, Height bottom, Height top, std::uint32_t se
     *link = reused;
   }
   return true;
-}
-
-void Columns::expire(CellIndex cell, std::uint32_t serial) {
-  std::uint32_t* link = &first_[cell];
-  while (*link != kNone) {
-    const std::uint32_t index = *link;
-    if (pool_[index].serial == serial) {
-      *link = pool_[index].next;
-      release(index);
-    } else {
-      link = &pool_[index].next;
-    }
-  }
 }
 
 bool Columns::split(std::uint32_t index, Height at) {

@@ -11,7 +11,6 @@ namespace {
 
 constexpr double kCellsMax = 4e6;
 constexpr double kFarthest = 1e4;  // [m]
-constexpr double kDoubt = 1e-6;    // [m]; rounding to the micrometre moves a point by half of it
 
 double cellsAlong(double size, double cell_size) {
   return std::ceil(size / cell_size - 1e-9);  // 1.5 / 0.02 is a hair above 75
@@ -24,13 +23,6 @@ Height clampToHeight(double quanta) {
 
 CellIndex clampToCells(double index, CellIndex cells) {
   return static_cast<CellIndex>(std::clamp(index, 0.0, static_cast<double>(cells)));
-}
-
-/// As std::nearbyint, halves to even, for |x| up to 2^51, but inline: adding 1.5 * 2^52 leaves no
-/// bits for the fraction. Each return of each scan is rounded four times.
-double nearest(double x) {
-  constexpr double kShift = 6755399441055744.0;
-  return (x + kShift) - kShift;
 }
 
 }  // namespace
@@ -72,27 +64,9 @@ std::optional<CellIndex> Grid::cellOf(const Vector3& p_fixed) const {
   return static_cast<CellIndex>(y) * cells_x_ + static_cast<CellIndex>(x);
 }
 
-std::optional<Grid::Place> Grid::place(const Vector3& p_fixed) const {
-  const double x = (p_fixed.x() - config_.origin_x_m) * cells_a_metre_;
-  const double y = (p_fixed.y() - config_.origin_y_m) * cells_a_metre_;
-  const double z = p_fixed.z();
-  const bool near = x > -doubt_cells_ && x < cells_x_ + doubt_cells_ && y > -doubt_cells_ &&
-                    y < cells_y_ + doubt_cells_ && z > config_.height_min_m - kDoubt &&
-                    z < config_.height_max_m + kDoubt;
-  if (!near) return std::nullopt;  // also for NaN
-  const auto ix = static_cast<std::int64_t>(x), iy = static_cast<std::int64_t>(y);
-  const double beyond_x = x - static_cast<double>(ix), beyond_y = y - static_cast<double>(iy);
-  const double quanta = z * quanta_a_metre_;
-  const double height = nearest(quanta);
-  const bool sure = beyond_x > doubt_cells_ && beyond_x < 1.0 - doubt_cells_ &&
-                    beyond_y > doubt_cells_ && beyond_y < 1.0 - doubt_cells_ &&
-                    std::abs(quanta - height) < 0.5 - doubt_quanta_ &&
-                    z > config_.height_min_m + kDoubt && z < config_.height_max_m - kDoubt;
-  if (sure) {
-    return Place{static_cast<CellIndex>(iy) * cells_x_ + static_cast<CellIndex>(ix),
-                 static_cast<Height>(height)};
-  }
-  const Vector3 rounded(toMicrometre(p_fixed.x()), toMicrometre(p_fixed.y()), toMicrometre(z));
+std::optional<Grid::Place> Grid::placeRounded(const Vector3& p_fixed) const {
+  const Vector3 rounded(toMicrometre(p_fixed.x()), toMicrometre(p_fixed.y()),
+                        toMicrometre(p_fixed.z()));
   const auto cell = cellOf(rounded);
   if (!cell) return std::nullopt;
   return Place{*cell, heightOf(rounded.z())};

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tccm_monitor/config_error.h"
+#include "tccm_monitor/map/scan_batch.h"
 
 namespace tccm {
 namespace {
@@ -49,6 +50,23 @@ IntegrationMap::Added IntegrationMap::add(Time stamp, const std::vector<Vector3>
 template <typename IsForgotten>
 IntegrationMap::Added IntegrationMap::addReturns(const std::vector<Vector3>& returns,
                                                  IsForgotten&& isForgotten) {
+  const bool all_fit = columns_.room() >= 2 * returns.size() && ring_.room() >= returns.size();
+  if (!all_fit) {
+    return addReturns(returns, isForgotten, [this](const MappedReturn& e) { return insert(e); });
+  }
+  ScanBatch batch(columns_, serial_);
+  const Added added = addReturns(returns, isForgotten, [&](const MappedReturn& entry) {
+    batch.add(entry.cell, occupiedBy(entry));
+    note(entry);
+    return true;
+  });
+  batch.finish();
+  return added;
+}
+
+template <typename IsForgotten, typename Insert>
+IntegrationMap::Added IntegrationMap::addReturns(const std::vector<Vector3>& returns,
+                                                 IsForgotten&& isForgotten, Insert&& insert) {
   Added added;
   for (const Vector3& p_fixed : returns) {
     const auto place = grid_.place(p_fixed);
@@ -69,9 +87,13 @@ bool IntegrationMap::insert(const MappedReturn& entry) {
   const Columns::Heights heights = occupiedBy(entry);
   if (!ring_.hasRoom()) return false;
   if (!columns_.insert(entry.cell, heights.bottom, heights.top, serial_)) return false;
+  note(entry);
+  return true;
+}
+
+void IntegrationMap::note(const MappedReturn& entry) {
   ring_.add(entry);
   counts_.add(entry.cell, entry.height);
-  return true;
 }
 
 std::size_t IntegrationMap::forget(const Region& region, Time until) {

@@ -34,8 +34,12 @@ class Columns {
   /// Makes scan `serial` the owner of [bottom, top); what it overlaps hands over its birth.
   /// @return false, with nothing changed, where the pool may run out.
   [[nodiscard]] bool insert(CellIndex cell, Height bottom, Height top, std::uint32_t serial);
-  /// Removes what the scan still owns in the cell.
-  void expire(CellIndex cell, std::uint32_t serial);
+  /// Removes what the scan still owns in the cell. @param visit (Interval): is shown each before.
+  template <typename Visit>
+  void expire(CellIndex cell, std::uint32_t serial, Visit&& visit);
+  void expire(CellIndex cell, std::uint32_t serial) {
+    expire(cell, serial, [](const Interval&) {});
+  }
   /// Makes `nobody`, a serial that no scan of the window has, the owner of the intervals that meet
   /// the heights. What remaining scans saw there is then to be claimed, newest scan first; the rest
   /// expires as nobody's.
@@ -52,6 +56,7 @@ class Columns {
   [[nodiscard]] const Interval& interval(std::uint32_t index) const { return pool_[index]; }
   [[nodiscard]] CellIndex cells() const { return static_cast<CellIndex>(first_.size()); }
   [[nodiscard]] std::size_t used() const { return used_; }
+  [[nodiscard]] std::size_t room() const { return pool_.size() - used_; }
   [[nodiscard]] std::size_t memoryBytes() const;
 
  private:
@@ -65,5 +70,27 @@ class Columns {
   std::uint32_t free_ = kNone;
   std::size_t used_ = 0;
 };
+
+inline void Columns::release(std::uint32_t index) {
+  pool_[index].next = free_;
+  free_ = index;
+  --used_;
+}
+
+template <typename Visit>
+void Columns::expire(CellIndex cell, std::uint32_t serial, Visit&& visit) {
+  std::uint32_t* link = &first_[cell];
+  while (*link != kNone) {
+    const std::uint32_t index = *link;
+    Interval& interval = pool_[index];
+    if (interval.serial != serial) {
+      link = &interval.next;
+      continue;
+    }
+    visit(static_cast<const Interval&>(interval));
+    *link = interval.next;
+    release(index);
+  }
+}
 
 }  // namespace tccm

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 
@@ -86,6 +87,16 @@ class Grid {
   [[nodiscard]] bool operator==(const Grid& other) const;
 
  private:
+  static constexpr double kDoubt = 1e-6;  // [m]; rounding to the micrometre moves by half of it
+  /// As std::nearbyint, halves to even, for |x| up to 2^51, but inline: adding 1.5 * 2^52 leaves no
+  /// bits for the fraction. Each return of each scan is rounded four times.
+  [[nodiscard]] static double nearest(double x) {
+    constexpr double kShift = 6755399441055744.0;
+    return (x + kShift) - kShift;
+  }
+  /// Near a border the rounding decides.
+  [[nodiscard]] std::optional<Place> placeRounded(const Vector3& p_fixed) const;
+
   Config config_;
   CellIndex cells_x_;
   CellIndex cells_y_;
@@ -94,5 +105,28 @@ class Grid {
   double doubt_cells_;  ///< so near to a border the rounding to the micrometre decides
   double doubt_quanta_;
 };
+
+inline std::optional<Grid::Place> Grid::place(const Vector3& p_fixed) const {
+  const double x = (p_fixed.x() - config_.origin_x_m) * cells_a_metre_;
+  const double y = (p_fixed.y() - config_.origin_y_m) * cells_a_metre_;
+  const double z = p_fixed.z();
+  const bool near = x > -doubt_cells_ && x < cells_x_ + doubt_cells_ && y > -doubt_cells_ &&
+                    y < cells_y_ + doubt_cells_ && z > config_.height_min_m - kDoubt &&
+                    z < config_.height_max_m + kDoubt;
+  if (!near) return std::nullopt;  // also for NaN
+  const auto ix = static_cast<std::int64_t>(x), iy = static_cast<std::int64_t>(y);
+  const double beyond_x = x - static_cast<double>(ix), beyond_y = y - static_cast<double>(iy);
+  const double quanta = z * quanta_a_metre_;
+  const double height = nearest(quanta);
+  const bool sure = beyond_x > doubt_cells_ && beyond_x < 1.0 - doubt_cells_ &&
+                    beyond_y > doubt_cells_ && beyond_y < 1.0 - doubt_cells_ &&
+                    std::abs(quanta - height) < 0.5 - doubt_quanta_ &&
+                    z > config_.height_min_m + kDoubt && z < config_.height_max_m - kDoubt;
+  if (sure) {
+    return Place{static_cast<CellIndex>(iy) * cells_x_ + static_cast<CellIndex>(ix),
+                 static_cast<Height>(height)};
+  }
+  return placeRounded(p_fixed);
+}
 
 }  // namespace tccm

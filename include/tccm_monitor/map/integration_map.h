@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -105,9 +107,13 @@ class IntegrationMap {
   void reserve(CuboidMap& map) const;
 
  private:
+  /// @param insert what becomes of a return: whether there was room for it.
+  template <typename IsForgotten, typename Insert>
+  Added addReturns(const std::vector<Vector3>& returns, IsForgotten&& isForgotten, Insert&& insert);
   template <typename IsForgotten>
   Added addReturns(const std::vector<Vector3>& returns, IsForgotten&& isForgotten);
   [[nodiscard]] bool insert(const MappedReturn& entry);
+  void note(const MappedReturn& entry);
   /// What forget() does to a cell.
   struct Loss {
     bool near = false;
@@ -138,17 +144,17 @@ class IntegrationMap {
 template <typename Visit>
 void IntegrationMap::expireOldest(Visit&& visit) {
   const std::uint32_t serial = ring_.oldestSerial();
-  CellIndex last = grid_.cells();  // neighbouring beams often fall into one cell
+  // Neighbouring beams fall into a few cells in turn.
+  std::array<CellIndex, 4> lately;
+  lately.fill(grid_.cells());
+  std::size_t next = 0;
   ring_.visitOldest([&](const MappedReturn& entry) {
-    if (entry.cell == last) return;
-    last = entry.cell;
-    for (std::uint32_t i = columns_.first(last); i != Columns::kNone;
-         i = columns_.interval(i).next) {
-      const Columns::Interval& interval = columns_.interval(i);
-      if (interval.serial != serial) continue;
-      visit(Leaving{last, {interval.bottom, interval.top}, serial, interval.born});
-    }
-    columns_.expire(last, serial);
+    if (std::find(lately.begin(), lately.end(), entry.cell) != lately.end()) return;
+    lately[next] = entry.cell;
+    next = (next + 1) % lately.size();
+    columns_.expire(entry.cell, serial, [&](const Columns::Interval& interval) {
+      visit(Leaving{entry.cell, {interval.bottom, interval.top}, serial, interval.born});
+    });
   });
   ring_.visitOldest(
       [this](const MappedReturn& entry) { counts_.remove(entry.cell, entry.height); });

@@ -109,8 +109,8 @@ class LookImage {
   [[nodiscard]] std::size_t memoryBytes() const { return passes_.capacity() * sizeof(Passes); }
 
  private:
-  /// Hands on the passes in the place's direction in whose stroke of the tilt the place was reached,
-  /// in that direction or in one beside, above or below.
+  /// Hands on the passes in the place's direction in whose stroke of the tilt the place was
+  /// reached, in that direction or in one beside, above or below.
   template <typename Visit>
   void visitSeen(const Vector3& p_fixed, double margin_m, Visit&& visit) const;
   [[nodiscard]] bool reachedSince(Time since, std::size_t pixel, double range_m) const;

@@ -30,6 +30,8 @@ class PartMapRing {
   /// Begins the newest part map. @pre !full()
   void begin(std::uint32_t serial, Time stamp);
   [[nodiscard]] bool hasRoom() const { return used_ < returns_.size(); }
+  /// For so many more returns.
+  [[nodiscard]] std::size_t room() const { return returns_.size() - used_; }
   /// Adds to the newest part map. @pre hasRoom() and scans() > 0
   void add(const MappedReturn& entry) {
     returns_[next_] = entry;
