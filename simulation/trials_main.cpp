@@ -92,10 +92,10 @@ int main(int argc, char** argv) {
   CLI::App app("Closed-loop experiments with a simulated robot that obeys the monitor.", "trials");
   TrialOptions options;
   declare(app, options);
-  const std::vector<Experiment> experiments = {stoppingExperiment(app),   hoverExperiment(app),
-                                               visibilityExperiment(app), governedExperiment(app),
-                                               handsExperiment(app),      falseStopsExperiment(app),
-                                               occlusionExperiment(app),  updatesExperiment(app)};
+  const std::vector<Experiment> experiments = {
+      stoppingExperiment(app),  hoverExperiment(app),   visibilityExperiment(app),
+      governedExperiment(app),  handsExperiment(app),   falseStopsExperiment(app),
+      occlusionExperiment(app), updatesExperiment(app), dynamicExperiment(app)};
   try {
     app.parse(argc, argv);
     return run(chosen(experiments), options);

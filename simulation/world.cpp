@@ -1,5 +1,8 @@
 #include "simulation/world.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
@@ -65,10 +68,18 @@ Time Entrance::arrives() const {
 
 Time Departure::gone() const { return leaves + fromSeconds(offset.norm() / speed_mps); }
 
+Vector3 Shuttle::offsetAt(Time stamp) const {
+  if (stamp <= starts) return Vector3::Zero();
+  const double length = offset.norm();
+  const double way = std::fmod(toSeconds(stamp - starts) * speed_mps, 2.0 * length);
+  return std::min(way, 2.0 * length - way) / length * offset;
+}
+
 std::optional<Pose> SceneObject::poseAt(Time stamp) const {
   if (entrance && stamp < entrance->appears) return std::nullopt;
   if (departure && stamp >= departure->gone()) return std::nullopt;
   Pose pose = T_fixed_shape;
+  if (shuttle) pose.pretranslate(shuttle->offsetAt(stamp));
   if (departure && stamp > departure->leaves) {
     const double way = toSeconds(stamp - departure->leaves) * departure->speed_mps;
     pose.pretranslate(way * departure->offset.normalized());

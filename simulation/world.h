@@ -30,6 +30,16 @@ struct Departure {
   [[nodiscard]] Time gone() const;
 };
 
+/// How an object goes to and fro, straight, at one speed, between its place and another.
+struct Shuttle {
+  Time starts;
+  Vector3 offset;          ///< of the other place [m, fixed frame], not zero
+  double speed_mps = 0.2;  ///< above 0
+
+  /// From its place at an instant.
+  [[nodiscard]] Vector3 offsetAt(Time stamp) const;
+};
+
 /// A primitive in the scene; an object of several primitives is several of these with one name.
 struct SceneObject {
   std::string name;
@@ -38,6 +48,7 @@ struct SceneObject {
   Eigen::Vector3f colour;  ///< red, green, blue, 0..1
   std::optional<Entrance> entrance = std::nullopt;
   std::optional<Departure> departure = std::nullopt;  ///< after it has come to its place
+  std::optional<Shuttle> shuttle = std::nullopt;      ///< of what neither enters nor leaves so
 
   /// Nothing before it appears, and once it is gone.
   [[nodiscard]] std::optional<Pose> poseAt(Time stamp) const;

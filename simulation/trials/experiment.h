@@ -51,6 +51,7 @@ struct Experiment {
 [[nodiscard]] Experiment occlusionExperiment(CLI::App& app);
 [[nodiscard]] Experiment updatesExperiment(CLI::App& app);
 [[nodiscard]] Experiment governedExperiment(CLI::App& app);
+[[nodiscard]] Experiment dynamicExperiment(CLI::App& app);
 
 /// The seed of a trial: those of one run differ by one, those of different runs by more.
 [[nodiscard]] std::uint64_t seedOf(const TrialOptions& options, std::size_t trial);

@@ -27,6 +27,18 @@ TEST(WorldTest, AnObjectThatLeavesMovesAwayAndIsGone) {
   EXPECT_FALSE(object.poseAt(leaves + std::chrono::seconds(2)));
 }
 
+TEST(WorldTest, AShuttleGoesToAndFroBetweenTwoPlaces) {
+  SceneObject object{"sheet", Sphere{0.1}, at(1.0, 0.0, 0.0), Eigen::Vector3f::Zero()};
+  const Time starts{std::chrono::seconds(5)};
+  object.shuttle = Shuttle{starts, Vector3(0.0, 0.4, 0.0), 0.1};
+  const std::vector<double> y = {0.0, 0.1, 0.2, 0.3, 0.4, 0.3, 0.2, 0.1, 0.0, 0.1};
+  EXPECT_EQ(object.poseAt(starts - Duration(1))->translation().y(), 0.0);
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    const Vector3 place = object.poseAt(starts + std::chrono::seconds(i))->translation();
+    EXPECT_TRUE(place.isApprox(Vector3(1.0, y[i], 0.0), 1e-9)) << i << " s";
+  }
+}
+
 TEST(WorldTest, EverySceneHasValidShapesAndAnUnknownOneIsRefused) {
   for (const std::string& name : sceneNames()) {
     const World world = scene(name);
