@@ -22,6 +22,11 @@ palm,1,0.5,0.45,-0.05
 elbow,1,1.0,1.0,0.0
 elbow,0,1.0,0.0,-1.0
 """
+OCCLUSION = """hidden,occluded,found_s
+0.5,0.6,0.2
+0.3,0.1,
+,,
+"""
 SPEEDS = """tilt_deg,constant_mps,governed_mps,phase_0_mps,phase_1_mps
 15.0,0.09,0.12,0.1,0.14
 20.0,0.10,0.13,0.11,0.15
@@ -56,6 +61,16 @@ class PictureTest(unittest.TestCase):
         self.assertEqual(name, "hands.png")
         self.assertGreater(size, 10000)
         self.assertEqual(self.pictures("hands", "seed\n", figures={"hands": []}), [])
+
+    def test_false_stops_and_occluders_have_theirs(self):
+        cells = [{"noise_m": 0.01, "motions": 10, "motions_with_false_stop": 1}]
+        (name, size), = self.pictures("false-stops", "seed\n1\n", figures={"by_noise": cells})
+        self.assertEqual(name, "false-stops.png")
+        self.assertGreater(size, 5000)
+        (name, size), = self.pictures("occlusion", OCCLUSION)
+        self.assertEqual(name, "occlusion.png")
+        self.assertGreater(size, 10000)
+        self.assertEqual(self.pictures("occlusion", OCCLUSION.splitlines()[0]), [])
 
     def test_where_nothing_was_tried_nothing_is_drawn(self):
         for experiment, rows in (("hover", HOVER), ("visibility", VISIBILITY)):

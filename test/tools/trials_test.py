@@ -106,6 +106,32 @@ class TrialsTest(unittest.TestCase):
                                   out="free")
         self.assertGreater(free["figures"]["motions"]["violations"], 0)
 
+    def test_arms_that_move_clear_of_everything_are_counted_by_noise(self):
+        _, results, rows = self.results("false-stops", "--motions", "2", "--noises-m", "0.01,0.03",
+                                        "--duration-s", "5", "--speeds", "0.1", "--scenes", "table")
+        self.assertEqual(len(rows), 4)
+        cells = results["figures"]["by_noise"]
+        self.assertEqual([cell["noise_m"] for cell in cells], [0.01, 0.03])
+        self.assertEqual(cells[0]["false_stops"],
+                         sum(int(row["false_stops"]) for row in rows[:2]))
+
+    def test_what_occluders_hide_is_found(self):
+        status, results, rows = self.results("occlusion", "--trials", "6", "--seed", "3")
+        self.assertEqual((status, results["limits_missed"]), (0, []))
+        hidden = [row for row in rows if row["hidden"]]
+        self.assertEqual(len(hidden), results["figures"]["hiding"])
+        self.assertEqual(sum(row["found_s"] != "" for row in hidden), results["figures"]["found"])
+
+    def test_the_map_is_timed_and_weighed(self):
+        _, results, rows = self.results("updates", "--windows", "5,10", "--steps", "200",
+                                        "--additions", "3")
+        self.assertEqual([row["scene"] for row in rows], ["table", "shelf"])
+        with open(os.path.join(self.folder.name, "out", "timing.json")) as f:
+            updates = json.load(f)["updates"]
+        self.assertEqual([update["part_maps"] for update in updates], [5, 10])
+        for update in updates:
+            self.assertGreater(update["addition_us"], update["replacement_us"])
+
     def test_pictures_are_drawn(self):
         out = os.path.join(self.folder.name, "out")
         self.call("visibility", "--poses", "4", "--out", out)
