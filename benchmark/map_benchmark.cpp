@@ -15,6 +15,8 @@
 #include "support/part_union.h"
 #include "tccm_monitor/geometry/ray.h"
 #include "tccm_monitor/map/integration_map.h"
+#include "tccm_monitor/map/look_map.h"
+#include "tccm_monitor/map/place_ages.h"
 
 namespace tccm {
 namespace {
@@ -22,6 +24,7 @@ namespace {
 using Points = std::vector<Vector3>;
 
 constexpr std::size_t kPaperWindow = 40;
+const Vector3 kSensor(0.0, 0.0, 1.515);
 constexpr int kScansInPeriod = 56;  // of 28 ms in a tilt of 1.575 s
 
 struct Thing {
@@ -69,7 +72,7 @@ std::vector<Points> period(const Grid& grid) {
     const Eigen::AngleAxisd down(tilt, Vector3::UnitY());
     for (int i = 0; i < 600; ++i) {
       const double angle = M_PI / 180.0 * (-35.0 + 70.0 / 599.0 * i);
-      const Ray ray{{0.0, 0.0, 1.515}, down * Vector3(std::cos(angle), std::sin(angle), 0.0)};
+      const Ray ray{kSensor, down * Vector3(std::cos(angle), std::sin(angle), 0.0)};
       const Vector3 p = ray.at(rangeTo(things, ray) + noise(engine));
       if (grid.cellOf(p)) scans[k].push_back(p);
     }
@@ -79,6 +82,12 @@ std::vector<Points> period(const Grid& grid) {
 
 double microseconds(std::chrono::steady_clock::duration duration) {
   return std::chrono::duration<double, std::micro>(duration).count();
+}
+
+void report(std::vector<double>& times, benchmark::State& state) {
+  std::sort(times.begin(), times.end());
+  state.counters["p50_us"] = times[times.size() / 2];
+  state.counters["p99_us"] = times[times.size() * 99 / 100];
 }
 
 /// Times each step by itself and reports the distribution.
@@ -91,9 +100,7 @@ void measure(benchmark::State& state, Step&& step) {
     step();
     times.push_back(microseconds(std::chrono::steady_clock::now() - start));
   }
-  std::sort(times.begin(), times.end());
-  state.counters["p50_us"] = times[times.size() / 2];
-  state.counters["p99_us"] = times[times.size() * 99 / 100];
+  report(times, state);
 }
 
 /// The period of scans again and again through one map.
@@ -111,6 +118,7 @@ class Loop {
     map_.snapshot(snapshot_);
     return snapshot_;
   }
+  [[nodiscard]] const IntegrationMap& map() const { return map_; }
   [[nodiscard]] double returnsInScan() const {
     std::size_t returns = 0;
     for (const Points& points : scans_) returns += points.size();
@@ -135,6 +143,63 @@ void snapshot(benchmark::State& state) {
   Loop loop(static_cast<std::size_t>(state.range(0)));
   measure(state, [&] { benchmark::DoNotOptimize(loop.snapshot().cuboids.data()); });
   state.counters["cuboids"] = static_cast<double>(loop.snapshot().cuboids.size());
+}
+
+/// The map with what else the mapper keeps of the same scans.
+class LookingLoop {
+ public:
+  explicit LookingLoop(std::size_t window) : loop_(window) {
+    // Until all that stands there is known.
+    for (std::size_t i = 0; i < 10 * kScansInPeriod; ++i) step();
+  }
+  void step() {
+    see();
+    ages_.follow(loop_.map(), looks_.image());
+  }
+  /// All but the ages.
+  void see() {
+    loop_.step();
+    looking_.clear();
+    loop_.map().visitNewest([this](const MappedReturn& entry) {
+      const Grid& grid = loop_.map().grid();
+      const Eigen::Vector2d centre = grid.centre(entry.cell);
+      looking_.push_back({kSensor, {centre.x(), centre.y(), grid.metres(entry.height)}});
+    });
+    looks_.add(now_, looking_);
+    now_ += std::chrono::milliseconds(28);
+  }
+  void follow() { ages_.follow(loop_.map(), looks_.image()); }
+  void apply(CuboidMap& snapshot) { ages_.apply(loop_.map(), snapshot); }
+  CuboidMap snapshot() { return loop_.snapshot(); }
+
+ private:
+  Loop loop_;
+  LookMap looks_{LookMap::Config()};
+  PlaceAges ages_{loop_.map()};
+  std::vector<Look> looking_;
+  Time now_;
+};
+
+void followPlaceAges(benchmark::State& state) {
+  LookingLoop loop(static_cast<std::size_t>(state.range(0)));
+  std::vector<double> times;
+  times.reserve(1U << 20U);
+  for (auto _ : state) {
+    state.PauseTiming();
+    loop.see();
+    state.ResumeTiming();
+    const auto start = std::chrono::steady_clock::now();
+    loop.follow();
+    times.push_back(microseconds(std::chrono::steady_clock::now() - start));
+  }
+  report(times, state);
+}
+
+void applyPlaceAges(benchmark::State& state) {
+  LookingLoop loop(static_cast<std::size_t>(state.range(0)));
+  CuboidMap snapshot = loop.snapshot();
+  measure(state, [&] { loop.apply(snapshot); });
+  state.counters["cuboids"] = static_cast<double>(snapshot.cuboids.size());
 }
 
 std::vector<std::vector<MappedReturn>> mappedPeriod(const Grid& grid) {
@@ -183,6 +248,8 @@ void windows(benchmark::internal::Benchmark* benchmark) {
 
 BENCHMARK(updateByOwnership)->Apply(windows);
 BENCHMARK(snapshot)->Apply(windows);
+BENCHMARK(followPlaceAges)->Apply(windows);
+BENCHMARK(applyPlaceAges)->Apply(windows);
 BENCHMARK(updateByLiteralReplacement)->Apply(windows);
 BENCHMARK(updateByAddingAllPartMaps)->Apply(windows);
 

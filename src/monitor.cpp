@@ -67,6 +67,7 @@ Monitor::ScanOutcome Monitor::addScan(Time now, const LaserScan& scan,
   Stopwatch stopwatch;
   publishMap(now);
   outcome.snapshot_us = stopwatch.lapMicroseconds();
+  mapper_.settle();
   return outcome;
 }
 

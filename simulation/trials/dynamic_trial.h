@@ -66,7 +66,7 @@ class DynamicTrial {
     Monitor::Config monitor;
     Scanner::Config scanner;
     int static_windows = 3;     ///< from this dyn on a cuboid is called static
-    double settle_s = 2.0;      ///< from when it begins to move to the first map judged
+    double settle_s = 15.0;     ///< from when it begins to move to the first map judged
     double judge_s = 6.0;       ///< from then on so long
     std::size_t every = 7;      ///< scans between maps that are judged
     bool keep_cuboids = false;  ///< of the last map judged

@@ -196,27 +196,20 @@ std::uint32_t IntegrationMap::pointsAround(CellIndex cell, Columns::Heights heig
   return points;
 }
 
-Cuboid IntegrationMap::finished(Cuboid cuboid, std::uint32_t age) const {
-  cuboid.age_scans = age;
-  cuboid.dyn = age / static_cast<std::uint32_t>(std::max<std::size_t>(1, scans()));
-  return cuboid;
-}
-
 void IntegrationMap::appendLive(CellIndex cell, CuboidMap& map) const {
   std::uint32_t i = columns_.first(cell);
   while (i != Columns::kNone) {
     Cuboid cuboid;
     cuboid.cell = cell;
     cuboid.bottom = cuboid.top = columns_.interval(i).bottom;
-    std::uint32_t age = 0;
     // Touching intervals are one cuboid, or the list would depend on how it came about.
     for (; i != Columns::kNone && columns_.interval(i).bottom == cuboid.top;
          i = columns_.interval(i).next) {
       cuboid.top = columns_.interval(i).top;
-      age = std::max(age, serial_ - columns_.interval(i).born);
+      cuboid.age_scans = std::max(cuboid.age_scans, serial_ - columns_.interval(i).born);
     }
     cuboid.points = pointsIn(cell, {cuboid.bottom, cuboid.top});
-    map.cuboids.push_back(finished(cuboid, age));
+    map.cuboids.push_back(cuboid);
   }
 }
 
@@ -237,8 +230,9 @@ void IntegrationMap::snapshot(CuboidMap& map, const HeldLayer& held) const {
     if (next_held == held.intervals().end() || next_held->cell != cell) continue;
     for (; next_held != held.intervals().end() && next_held->cell == cell; ++next_held) {
       Cuboid cuboid{cell, next_held->heights.bottom, next_held->heights.top, next_held->support};
+      cuboid.age_scans = serial_ - next_held->born;
       cuboid.held = true;
-      map.cuboids.push_back(finished(cuboid, serial_ - next_held->born));
+      map.cuboids.push_back(cuboid);
     }
     std::sort(map.cuboids.begin() + begin, map.cuboids.end(),
               [](const Cuboid& a, const Cuboid& b) { return a.bottom < b.bottom; });

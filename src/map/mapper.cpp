@@ -31,10 +31,12 @@ Mapper::Mapper(const Config& config)
       looks_(config.looks),
       newest_looks_(config.hold_look_angle_rad),
       held_(map_.grid().cells(), config.hold_s > 0.0 ? config.held_max : 0),
+      ages_(map_),
       viewpoints_(config.map.scans_max + 1, Vector3::Zero()),
       tilt_(config.tilt) {}
 
 Mapper::Outcome Mapper::add(const ScanReturns& scan) {
+  settle();
   if (!scan.viewpoint.allFinite() || !std::isfinite(scan.tilt)) return {"bad_viewpoint", {}};
   if (newest_ && *newest_ - scan.stamp > fromSeconds(config_.time_jump_back_s)) clear();
   if (newest_ && scan.stamp <= *newest_) return {"out_of_order", {}};
@@ -55,14 +57,23 @@ Mapper::Outcome Mapper::add(const ScanReturns& scan) {
   }
   expire();
   held_.sort();
+  settled_ = false;
   return {{}, added};
 }
 
+void Mapper::settle() {
+  if (settled_) return;
+  ages_.follow(map_, looks_.image());
+  settled_ = true;
+}
+
 void Mapper::clear() {
+  settled_ = true;
   map_.clear();
   looks_.clear();
   newest_looks_.clear();
   held_.clear();
+  ages_.clear();
   lost_serial_.reset();
   tilt_.reset();
   last_period_.reset();
@@ -204,6 +215,7 @@ bool Mapper::complete() const {
 
 void Mapper::snapshot(CuboidMap& map) const {
   map_.snapshot(map, held_);
+  ages_.apply(map_, map);
   map.complete = complete();
   map.overflowed = map.overflowed || (lost_serial_ && map_.serial() - *lost_serial_ < map_.scans());
   map.tilt_stopped = tilt_stopped_;
@@ -221,7 +233,7 @@ void Mapper::reserve(CuboidMap& map) const {
 
 std::size_t Mapper::memoryBytes() const {
   return map_.memoryBytes() + looks_.memoryBytes() + newest_looks_.memoryBytes() +
-         held_.memoryBytes() + viewpoints_.capacity() * sizeof(Vector3);
+         held_.memoryBytes() + ages_.memoryBytes() + viewpoints_.capacity() * sizeof(Vector3);
 }
 
 }  // namespace tccm

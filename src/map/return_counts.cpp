@@ -6,7 +6,7 @@
 namespace tccm {
 
 ReturnCounts::ReturnCounts(const Grid& grid, Height layer)
-    : lowest_(grid.heightFloor(grid.config().height_min_m)) {
+    : lowest_(grid.heightFloor(grid.config().height_min_m)), layer_(layer) {
   assert(layer >= 1);
   const int heights = grid.heightCeil(grid.config().height_max_m) - lowest_ + 1;
   layer_of_.resize(static_cast<std::size_t>(heights));

@@ -50,6 +50,7 @@ void TccmMapper::receiveCloud(const sensor_msgs::PointCloud2::ConstPtr& message)
   added_.mapped += outcome.added.mapped;
   added_.out_of_area += outcome.added.out_of_area;
   publish();
+  mapper_->settle();
 }
 
 void TccmMapper::receiveAttached(const tccm_monitor::AttachedObjects::ConstPtr& message) {

@@ -80,7 +80,6 @@ class Comparison {
     for (const Cuboid& cuboid : snapshot_.cuboids) {
       const auto age = map_.serial() - births_->born(cuboid.cell, cuboid.bottom, cuboid.top);
       ASSERT_EQ(cuboid.age_scans, age) << "scan " << map_.serial();
-      ASSERT_EQ(cuboid.dyn, age / part_maps_.size());
     }
   }
 

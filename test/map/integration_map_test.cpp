@@ -150,13 +150,12 @@ void step(IntegrationMap& map, const Points& points, std::size_t window) {
   while (map.scans() > window) map.expireOldest();
 }
 
-TEST(AgeTest, WhatIsSeenAgainAndAgainAgesAndItsDynCountsWindows) {
+TEST(AgeTest, WhatIsSeenAgainAndAgainAges) {
   IntegrationMap map(smallConfig());
   for (int i = 0; i < 13; ++i) step(map, {atHeight(0.5)}, 4);
   const CuboidMap snapshot = snapshotOf(map);
   ASSERT_EQ(snapshot.cuboids.size(), 1U);
   EXPECT_EQ(snapshot.cuboids[0].age_scans, 12U);
-  EXPECT_EQ(snapshot.cuboids[0].dyn, 3U);
   EXPECT_EQ(snapshot.cuboids[0].points, 4U);
 }
 

@@ -19,7 +19,9 @@ struct Cuboid {
   /// too, as they were when it left: what supported it then may have been let go.
   std::uint32_t points = 0;
   std::uint32_t age_scans = 0;  ///< since something was first seen here without interruption
-  std::uint32_t dyn = 0;        ///< age in whole windows (section IV.C); low means dynamic
+  /// For how many windows the surroundings have been where they are (section IV.C), see PlaceAges;
+  /// low means dynamic.
+  std::uint32_t dyn = 0;
   /// It left the window, but nobody looked at its place since: no part of the live map.
   bool held = false;
 };

@@ -89,16 +89,26 @@ class IntegrationMap {
 
   /// The heights that a return occupies.
   [[nodiscard]] Columns::Heights occupiedBy(const MappedReturn& entry) const;
+  [[nodiscard]] Height thickness() const { return thickness_; }
   [[nodiscard]] std::size_t scans() const { return ring_.scans(); }
+  [[nodiscard]] std::size_t scansMax() const { return config_.scans_max; }
   [[nodiscard]] Time oldestStamp() const { return ring_.oldestStamp(); }
+  [[nodiscard]] Time newestStamp() const { return newest_stamp_; }
   [[nodiscard]] std::uint32_t serial() const { return serial_; }
   /// A bound was met, and points were left out, in a scan that is still in the window.
   [[nodiscard]] bool overflowed() const;
   [[nodiscard]] const Grid& grid() const { return grid_; }
+  /// Of all scans in the window, in layers as thick as what a return occupies.
+  [[nodiscard]] const ReturnCounts& returnCounts() const { return counts_; }
+  /// Hands each of the newest scan's returns to visit. @pre scans() > 0
+  template <typename Visit>
+  void visitNewest(Visit&& visit) const {
+    ring_.visitNewest(visit);
+  }
   [[nodiscard]] std::size_t memoryBytes() const;
 
-  /// Writes cuboids, index, grid, stamp, serial, window and thickness; the rest is the caller's.
-  /// Allocates nothing once `map` has been through reserve().
+  /// Writes cuboids but their dyn, index, grid, stamp, serial, window and thickness; the rest is
+  /// the caller's. Allocates nothing once `map` has been through reserve().
   /// @param held sorted, and apart from what is in this map: becomes cuboids of its own.
   void snapshot(CuboidMap& map, const HeldLayer& held) const;
   /// Of this map alone.
@@ -125,7 +135,6 @@ class IntegrationMap {
   void markCellsNear(const std::vector<RegionPart>& parts);
   std::size_t removeReturns(const std::vector<RegionPart>& parts);
   void restoreColumns();
-  [[nodiscard]] Cuboid finished(Cuboid cuboid, std::uint32_t age) const;
   void appendLive(CellIndex cell, CuboidMap& map) const;
 
   Config config_;

@@ -11,6 +11,7 @@
 #include "tccm_monitor/map/look.h"
 #include "tccm_monitor/map/look_map.h"
 #include "tccm_monitor/map/newest_looks.h"
+#include "tccm_monitor/map/place_ages.h"
 #include "tccm_monitor/map/tilt_period.h"
 #include "tccm_monitor/time.h"
 
@@ -66,6 +67,9 @@ class Mapper {
 
   /// A scan that is not newer than the last is dropped, unless time jumped back.
   Outcome add(const ScanReturns& scan);
+  /// What nobody waits for: follows the newest scan with the ages that dyn tells. To be called once
+  /// the map is out; where it was not, the next scan does it.
+  void settle();
   /// Takes a region out of the map, and out of scans stamped up to `until` that are still to come:
   /// what was grasped is no longer a part of the surroundings. See IntegrationMap::forget(). A jump
   /// back in time ends it.
@@ -106,6 +110,8 @@ class Mapper {
   LookMap looks_;
   NewestLooks newest_looks_;
   HeldLayer held_;
+  PlaceAges ages_;
+  bool settled_ = true;
   std::vector<Vector3> viewpoints_;           ///< of the window's scans, by serial
   std::optional<std::uint32_t> lost_serial_;  ///< of the last scan when something could not be held
   TiltPeriod tilt_;

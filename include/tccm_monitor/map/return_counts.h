@@ -21,14 +21,26 @@ class ReturnCounts {
 
   /// The returns in all layers from that of `low` to that of `high`, both included.
   [[nodiscard]] std::uint32_t sum(CellIndex cell, Height low, Height high) const;
+  /// Those in one layer; layers count from the lowest up.
+  [[nodiscard]] std::uint32_t at(CellIndex cell, std::size_t layer) const {
+    return counts_[cell * layers_ + layer];
+  }
+  /// @param height inside the grid's limits.
+  [[nodiscard]] std::size_t layerOf(Height height) const {
+    return layer_of_[static_cast<std::size_t>(height - lowest_)];
+  }
+  [[nodiscard]] std::size_t layers() const { return layers_; }
+  /// The thickness of one.
+  [[nodiscard]] Height layer() const { return layer_; }
   [[nodiscard]] std::size_t memoryBytes() const;
 
  private:
   [[nodiscard]] std::size_t index(CellIndex cell, Height height) const {
-    return cell * layers_ + layer_of_[static_cast<std::size_t>(height - lowest_)];
+    return cell * layers_ + layerOf(height);
   }
 
   Height lowest_;
+  Height layer_;
   std::size_t layers_;
   std::vector<std::uint16_t> layer_of_;  ///< by quanta above the lowest: saves a division a return
   std::vector<std::uint32_t> counts_;
