@@ -93,9 +93,10 @@ int main(int argc, char** argv) {
   TrialOptions options;
   declare(app, options);
   const std::vector<Experiment> experiments = {
-      stoppingExperiment(app),  hoverExperiment(app),   visibilityExperiment(app),
-      governedExperiment(app),  handsExperiment(app),   falseStopsExperiment(app),
-      occlusionExperiment(app), updatesExperiment(app), dynamicExperiment(app)};
+      stoppingExperiment(app),   hoverExperiment(app),   visibilityExperiment(app),
+      governedExperiment(app),   handsExperiment(app),   falseStopsExperiment(app),
+      occlusionExperiment(app),  updatesExperiment(app), dynamicExperiment(app),
+      smallObjectExperiment(app)};
   try {
     app.parse(argc, argv);
     return run(chosen(experiments), options);

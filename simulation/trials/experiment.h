@@ -49,6 +49,7 @@ struct Experiment {
 [[nodiscard]] Experiment handsExperiment(CLI::App& app);
 [[nodiscard]] Experiment falseStopsExperiment(CLI::App& app);
 [[nodiscard]] Experiment occlusionExperiment(CLI::App& app);
+[[nodiscard]] Experiment smallObjectExperiment(CLI::App& app);
 [[nodiscard]] Experiment updatesExperiment(CLI::App& app);
 [[nodiscard]] Experiment governedExperiment(CLI::App& app);
 [[nodiscard]] Experiment dynamicExperiment(CLI::App& app);

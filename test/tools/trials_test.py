@@ -122,6 +122,13 @@ class TrialsTest(unittest.TestCase):
         self.assertEqual(len(hidden), results["figures"]["hiding"])
         self.assertEqual(sum(row["found_s"] != "" for row in hidden), results["figures"]["found"])
 
+    def test_a_small_object_is_found_from_every_place(self):
+        status, results, rows = self.results("small-objects", "--step-m", "0.3", "--phases", "1")
+        self.assertEqual((status, results["limits_missed"]), (0, []))
+        self.assertEqual(len(rows), results["figures"]["places"])
+        self.assertGreater(len(rows), 3)
+        self.assertLess(max(float(row["found_s"]) for row in rows), 1.61)
+
     def test_the_map_is_timed_and_weighed(self):
         _, results, rows = self.results("updates", "--windows", "5,10", "--steps", "200",
                                         "--additions", "3")
