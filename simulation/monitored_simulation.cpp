@@ -34,6 +34,11 @@ void MonitoredSimulation::obey(Obedience obedience) {
   simulator_.setStop(true);
 }
 
+void MonitoredSimulation::obey(Guardian& guardian, Obedience obedience) {
+  obey(obedience);
+  guardian_ = &guardian;
+}
+
 void MonitoredSimulation::stampJointsLate(double late_s) {
   constexpr double kSample = 0.01;  // [s]
   joints_late_ = static_cast<std::size_t>(std::lround(std::clamp(late_s, 0.0, 0.1) / kSample));
@@ -41,6 +46,10 @@ void MonitoredSimulation::stampJointsLate(double late_s) {
 
 bool MonitoredSimulation::step() {
   StepOutput output = simulator_.step();
+  if (guardian_ != nullptr) {
+    const Guardian::Word word = guardian_->watch(simulator_, output);
+    if (output.robot) tell(word);
+  }
   if (output.scan) waiting_.push_back(std::move(*output.scan));
   if (!output.robot) return false;
   addRobot(*output.robot);
@@ -87,9 +96,14 @@ void MonitoredSimulation::mapReady() {
 void MonitoredSimulation::check() {
   if (monitor_.map() == nullptr) return;
   const Verdict& verdict = monitor_.checker().check(simulator_.now());
-  if (obedience_) simulator_.setStop(verdict.stop);
-  if (obedience_ == Obedience::kStopAndScale) simulator_.setSpeedScale(verdict.speed_scale);
+  if (guardian_ == nullptr) tell({verdict.stop, verdict.speed_scale, name(verdict.reason)});
   if (on_verdict_) on_verdict_(verdict);
+}
+
+void MonitoredSimulation::tell(const Guardian::Word& word) {
+  if (obedience_) simulator_.setStop(word.stop);
+  if (obedience_ == Obedience::kStopAndScale) simulator_.setSpeedScale(word.speed_scale);
+  if (on_permission_) on_permission_(!word.stop, word.reason);
 }
 
 }  // namespace tccm::simulation

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "simulation/guardian.h"
 #include "simulation/simulator.h"
 #include "tccm_monitor/monitor.h"
 
@@ -27,6 +28,13 @@ class MonitoredSimulation {
   /// From now on the arms do what the verdicts say: they stop, and scale their speed. Until the
   /// first verdict they stand.
   void obey(Obedience obedience = Obedience::kStopAndScale);
+  /// The same of what somebody else says, who hears all that comes up; has to outlive this.
+  void obey(Guardian& guardian, Obedience obedience);
+  /// Called with what the arms hear, after each verdict or, where they obey a guardian, each robot
+  /// sample. @param reason the gravest, also where it does not stop them.
+  void onPermission(std::function<void(bool permitted, const std::string& reason)> handle) {
+    on_permission_ = std::move(handle);
+  }
   /// From now on the monitor takes the joints to be where they were so long before [s]: their
   /// states are stamped too late. The sensor's pose stays exact. @param late_s 0 to 0.1, to 10 ms.
   void stampJointsLate(double late_s);
@@ -50,6 +58,7 @@ class MonitoredSimulation {
   void addRobot(const RobotSample& sample);
   void mapReady();
   void check();
+  void tell(const Guardian::Word& word);
 
   Simulator simulator_;
   Monitor monitor_;
@@ -58,7 +67,9 @@ class MonitoredSimulation {
   std::function<void(const SimulatedScan&)> on_scan_;
   std::function<void(const Verdict&)> on_verdict_;
   std::optional<Obedience> obedience_;  ///< nothing: the arms do as they like
-  std::size_t joints_late_ = 0;         ///< samples
+  Guardian* guardian_ = nullptr;        ///< whom they obey; nobody: this monitor
+  std::function<void(bool, const std::string&)> on_permission_;
+  std::size_t joints_late_ = 0;  ///< samples
   double processing_us_ = 0.0;
   std::vector<RobotSample> recent_;
   std::vector<SimulatedScan> waiting_;  ///< for a robot sample after their last beam

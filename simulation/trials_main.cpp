@@ -1,3 +1,5 @@
+#include <ros/init.h>
+
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
@@ -98,7 +100,10 @@ int main(int argc, char** argv) {
       occlusionExperiment(app),  updatesExperiment(app), dynamicExperiment(app),
       smallObjectExperiment(app)};
   try {
-    app.parse(argc, argv);
+    // roslaunch adds arguments of its own; CLI11 takes the last first, without the program's name.
+    std::vector<std::string> arguments;
+    ros::removeROSArgs(argc, argv, arguments);
+    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend() - 1));
     return run(chosen(experiments), options);
   } catch (const CLI::Success& help) {
     return app.exit(help);

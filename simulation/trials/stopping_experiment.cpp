@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "simulation/nodelet_guardian.h"
 #include "simulation/robot/dual_arm.h"
 #include "simulation/trials/csv.h"
 #include "simulation/trials/experiment.h"
@@ -23,6 +24,7 @@ struct StoppingOptions {
   std::vector<std::string> obstacles = {"pole", "arm", "box"};
   double avoidable_max = 0.01;
   double appear_distance_m = 0.0;
+  bool through_nodelets = false;
 };
 
 void declare(CLI::App& command, StoppingOptions& options) {
@@ -61,6 +63,9 @@ void declare(CLI::App& command, StoppingOptions& options) {
   command.add_option("--deceleration", trial.controller.acceleration_mps2, "of the hand [m/s^2]");
   command.add_flag("--obey-scale", trial.obeys_scale, "the arm scales its speed as it is told")
       ->always_capture_default(false);
+  command.add_flag("--ros", options.through_nodelets,
+                   "the arm obeys the nodelets of a running ROS system, at the pace of the wall "
+                   "clock; see trials.launch. No two runs are the same");
   command
       .add_option(
           "--appear-distance-m", options.appear_distance_m,
@@ -269,6 +274,8 @@ Findings runStopping(StoppingOptions options, const TrialOptions& common,
   options.trial.validate();
   const auto model = std::make_shared<const RobotModel>(dualArmUrdf(), settings.robot);
   std::vector<Case> cases(options.trials);
+  std::optional<NodeletGuardian> nodelets;
+  if (options.through_nodelets) nodelets.emplace(options.trial.start);
   const auto work = [&](std::size_t i) {
     Case& one = cases[i];
     one.speed_mps = options.speeds_mps[i % options.speeds_mps.size()];
@@ -277,9 +284,13 @@ Findings runStopping(StoppingOptions options, const TrialOptions& common,
     config.controller.speed_mps = one.speed_mps;
     config.controller.resume_mps2 = config.controller.acceleration_mps2;
     config.obstacle = obstacleKind(one.obstacle);
+    if (nodelets) {
+      config.guardian = &*nodelets;
+      config.start = nodelets->nextStart();
+    }
     one.result = StoppingTrial(config, model, seedOf(common, i)).run();
   };
-  inParallel(cases.size(), common.jobs, work, progress);
+  inParallel(cases.size(), nodelets ? 1 : common.jobs, work, progress);
   Findings findings;
   findings.settings = {{"speeds_mps", options.speeds_mps},
                        {"obstacles", options.obstacles},
@@ -291,7 +302,8 @@ Findings runStopping(StoppingOptions options, const TrialOptions& common,
                        {"latency_s", options.trial.controller.latency_s},
                        {"deceleration_mps2", options.trial.controller.acceleration_mps2},
                        {"obeys_scale", options.trial.obeys_scale},
-                       {"appear_distance_m", options.appear_distance_m}};
+                       {"appear_distance_m", options.appear_distance_m},
+                       {"through_nodelets", options.through_nodelets}};
   findings.rows =
       "seed,speed_mps,obstacle,gap_m,aside_m,turn_rad,tilt_phase,outcome,reason,left_m,beam_s,"
       "way_beam_s,support_s,due_s,stop_s,contact_s,delay_scans,avoidable_from_beam,avoidable_from_"

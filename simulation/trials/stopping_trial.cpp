@@ -105,15 +105,22 @@ StoppingTrial::StoppingTrial(const Config& config, std::shared_ptr<const RobotMo
       simulation_(simulatorConfig(seed), config_.monitor, model),
       arm_(std::move(model), reachingLinks(), kSpacing),
       start_(simulation_.simulator().now()) {
-  simulation_.obey(config_.obeys_scale ? MonitoredSimulation::Obedience::kStopAndScale
-                                       : MonitoredSimulation::Obedience::kStopAlone);
+  const auto obedience = config_.obeys_scale ? MonitoredSimulation::Obedience::kStopAndScale
+                                             : MonitoredSimulation::Obedience::kStopAlone;
+  if (config_.guardian != nullptr) {
+    simulation_.obey(*config_.guardian, obedience);
+  } else {
+    simulation_.obey(obedience);
+  }
   simulation_.onScan([this](const SimulatedScan& scan) { noteScan(scan); });
-  simulation_.onVerdict([this](const Verdict& verdict) { noteVerdict(verdict); });
+  simulation_.onPermission(
+      [this](bool permitted, const std::string& reason) { notePermission(permitted, reason); });
 }
 
 Simulator::Config StoppingTrial::simulatorConfig(std::uint64_t seed) {
   Draw draw(seed);
   Simulator::Config config;
+  config.start = config_.start;
   config.scene = "empty";
   config.objects = bareTable();
   config.path = path_;
@@ -272,8 +279,8 @@ void StoppingTrial::noteEvidence(const SimulatedScan& scan) {
   result_.support_s = sinceAppeared(support_->stamp);
 }
 
-void StoppingTrial::noteVerdict(const Verdict& verdict) {
-  const bool was_permitted = std::exchange(permitted_, !verdict.stop);
+void StoppingTrial::notePermission(bool permitted, const std::string& reason) {
+  const bool was_permitted = std::exchange(permitted_, permitted);
   if (!appeared_) return;
   const Judged now = judgedNow();
   const double left_s = (contact_m_ - now.way_m) / std::max(now.speed_mps, 1e-6);
@@ -283,7 +290,7 @@ void StoppingTrial::noteVerdict(const Verdict& verdict) {
   }
   if (!was_permitted || permitted_ || result_.stop_s) return;
   result_.stop_s = sinceAppeared(now.stamp);
-  result_.reason = name(verdict.reason);
+  result_.reason = reason;
   if (!support_) return;
   const int from = due_ ? std::max(support_->scan, due_->scan) : now.scan;
   result_.delay_scans = std::max(0, now.scan - from);

@@ -31,7 +31,9 @@ class StoppingTrial {
     double aside_max_m = 0.04;    ///< to either side of the middle of the way
     double turn_max_rad = 0.5;    ///< to either side
     double body_error_m = 0.003;  ///< by which each part of the robot is displaced
-    bool obeys_scale = false;     ///< or the arm brakes only when the permission goes
+    Time start = Simulator::Config().start;
+    Guardian* guardian = nullptr;  ///< whom the arm obeys; nobody: the core classes
+    bool obeys_scale = false;      ///< or the arm brakes only when the permission goes
     /// Of its speed, that the hand must have when the obstacle appears.
     double appear_speed_share = 0.99;
 
@@ -107,7 +109,7 @@ class StoppingTrial {
   void noteScan(const SimulatedScan& scan);
   void noteEvidence(const SimulatedScan& scan);
   [[nodiscard]] bool showsObstacle(const BeamTruth& beam) const;
-  void noteVerdict(const Verdict& verdict);
+  void notePermission(bool permitted, const std::string& reason);
   [[nodiscard]] Body armAt(double way_m);
   [[nodiscard]] bool isInTheWay(const Grid::Place& place) const;
   [[nodiscard]] bool hasSupport(const Evidence& evidence) const;

@@ -54,6 +54,40 @@ TEST(MonitoredSimulationTest, ARobotThatObeysMovesOnceTheMapIsWholeAndHaltsBefor
   EXPECT_GT(*truth.obstacle_min_m, 0.0);
 }
 
+/// Lets the arms go from an instant on.
+class Gate : public Guardian {
+ public:
+  explicit Gate(Time opens) : opens_(opens) {}
+  Word watch(const Simulator& simulator, const StepOutput& output) override {
+    scans += output.scan ? 1 : 0;
+    return simulator.now() < opens_ ? Word{true, 0.0, "SHUT"} : Word{false, 1.0, ""};
+  }
+  int scans = 0;
+
+ private:
+  Time opens_;
+};
+
+TEST(MonitoredSimulationTest, ARobotObeysItsGuardianAndNotTheMonitorBesideIt) {
+  MonitoredSimulation simulation(poleAhead(), atATable(), dualArm());
+  Gate gate(simulation.simulator().now() + fromSeconds(5.0));
+  simulation.obey(gate, MonitoredSimulation::Obedience::kStopAlone);
+  int permitted = 0;
+  std::string reason;
+  simulation.onPermission([&](bool is_permitted, const std::string& why) {
+    permitted += is_permitted ? 1 : 0;
+    reason = why;
+  });
+  pass(simulation, 4.9);  // the map is whole, nothing is near
+  EXPECT_LT(simulation.simulator().controller().distance(), 1e-3);
+  EXPECT_EQ(permitted, 0);
+  EXPECT_EQ(reason, "SHUT");
+  pass(simulation, 15.1);
+  EXPECT_NEAR(permitted, 1500, 1);
+  EXPECT_NEAR(gate.scans, 20.0 / 0.028, 3.0);
+  EXPECT_LT(*simulation.simulator().truth().obstacle_min_m, 0.006);  // the gate stops for no pole
+}
+
 TEST(MonitoredSimulationTest, ARobotThatDoesNotObeyRunsIntoIt) {
   MonitoredSimulation simulation(poleAhead(), atATable(), dualArm());
   std::optional<Time> stopped;

@@ -154,6 +154,14 @@ class TrialsTest(unittest.TestCase):
                 self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
                 self.assertTrue(done.stderr.startswith("trials: "))
 
+    def test_without_a_master_trials_through_the_nodelets_are_refused_in_one_line(self):
+        done = subprocess.run([os.environ["TCCM_TRIALS"], "stopping", "--ros", "--out",
+                               self.folder.name], capture_output=True, text=True, timeout=60,
+                              env=dict(os.environ, ROS_MASTER_URI="http://localhost:1"))
+        self.assertEqual(done.returncode, 2)
+        self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+        self.assertIn("roslaunch tccm_monitor trials.launch", done.stderr)
+
     def test_help_says_what_the_experiments_and_their_limits_are(self):
         done = self.call("--help")
         self.assertEqual(done.returncode, 0)
