@@ -38,6 +38,7 @@ void PlaceAges::clear() {
   std::fill(known_.begin(), known_.end(), Age{0});
   std::fill(age_.begin(), age_.end(), Age{0});
   std::fill(kept_.begin(), kept_.end(), std::uint64_t{0});
+  next_ = 0;
   due_ = 0.0;
 }
 
