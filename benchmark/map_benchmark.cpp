@@ -154,7 +154,7 @@ class LookingLoop {
   }
   void step() {
     see();
-    ages_.follow(loop_.map(), looks_.image());
+    follow();
   }
   /// All but the ages.
   void see() {

@@ -29,15 +29,15 @@ SceneObject boxAt(const Vector3& place, double yaw_rad, double size_m) {
 }
 
 /// The robot with its arms where they begin.
-Body robotAtStart(const SmallObjectTrial::Config& config,
-                  const std::shared_ptr<const RobotModel>& model) {
+Body robotAtStart(const std::shared_ptr<const RobotModel>& model) {
   Simulator::Config setting;
   setting.scene = kScene;
-  MonitoredSimulation simulation(setting, config.monitor, model);
-  simulation.simulator().setStop(true);
-  while (simulation.robot() == nullptr) simulation.step();
+  Simulator simulator(setting);
+  simulator.setStop(true);
+  StepOutput output;
+  while (!output.robot) output = simulator.step();
   Kinematics kinematics(model);
-  kinematics.update(simulation.robot()->positions, {Pose::Identity()});
+  kinematics.update(output.robot->positions, {Pose::Identity()});
   Body body;
   for (std::size_t i = 0; i < model->shapes().size(); ++i) {
     body.shapes.push_back(model->shapes()[i].shape);
@@ -118,7 +118,7 @@ std::vector<Vector3> smallObjectPlaces(const SmallObjectTrial::Config& config,
                                        double within_m, double step_m) {
   requireInRange("within_m", within_m, 0.1, 10.0);
   requireInRange("step_m", step_m, 0.01, 1.0);
-  const Body robot = robotAtStart(config, model);
+  const Body robot = robotAtStart(model);
   const Vector3 laser = laserOrigin(model, config.tilt.mean_rad);
   TrueVisibility::Config rays;
   rays.margin_m = 0.0;

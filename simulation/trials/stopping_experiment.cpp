@@ -268,6 +268,11 @@ void govern(MonitorSettings& settings, StoppingOptions& options) {
 
 Findings runStopping(StoppingOptions options, const TrialOptions& common,
                      const Progress& progress) {
+  if (options.through_nodelets && options.appear_distance_m > 0.0) {
+    throw InputError(
+        "--ros: whether the speed is governed is up to the nodelets' appear_distance_m; "
+        "--appear-distance-m goes without it");
+  }
   MonitorSettings settings = trialSettings(common);
   if (options.appear_distance_m > 0.0) govern(settings, options);
   options.trial.monitor = settings.monitorConfig();

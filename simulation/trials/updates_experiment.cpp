@@ -32,9 +32,9 @@ void declare(CLI::App& command, UpdatesOptions& options) {
   command.footer(
       "The paper's Fig. 9: what one scan's update of the map takes, by replacement and by adding\n"
       "all part maps anew, over the number of part maps; the same scans of a tilt over a table,\n"
-      "places of the returns found in either. The means over all scans stand in\n"
-      "timing.json, of each scan the median. Then the cuboids of a\n"
-      "whole sweep of each scene, and their bytes.\n"
+      "places of the returns found in either. Means over all scans, of each one's median, stand "
+      "in\n"
+      "timing.json. Then the cuboids of a whole sweep of each scene, and their bytes.\n"
       "Limits: with 200 part maps replacement takes at most 1.3 times as long as with 5; with 40\n"
       "it is at least 30 times as fast as adding.");
   command.option_defaults()->always_capture_default();

@@ -187,6 +187,25 @@ TEST(PlaceAgesTest, OfAThingPutOnATableTheLowestPartIsAsNewAsTheThing) {
   EXPECT_GT(shareFrom(8, rest), 0.95);
 }
 
+TEST(PlaceAgesTest, WhatComesOverATableAndDoesNotTouchItMakesItNoNewer) {
+  Table table;
+  table.watch(8);
+  const Thing shelf{Box{{0.08, 0.15, 0.002}}, {0.7, 0.0, kTableTop + 0.08}};
+  table.things = {shelf};
+  table.watch(2);
+  // Seen before its near edge and beside it, in the cells under the shelf and next to them.
+  const auto beside = table.dyn([&shelf](const UprightBox& box) {
+    const Vector3 offset = (box.center() - shelf.centre).cwiseAbs() - shelf.box.half_extents;
+    return isTable(box) && std::abs(std::max(offset.x(), offset.y())) < 0.015;
+  });
+  ASSERT_GT(beside.size(), 5U);
+  EXPECT_GT(shareFrom(8, beside), 0.9);
+  EXPECT_EQ(countFrom(3, table.dyn([](const UprightBox& box) {
+              return box.min().z() > kTableTop + 0.045;
+            })),
+            0U);
+}
+
 TEST(PlaceAgesTest, WhatIsOlderThanCanBeToldIsToldToBeTheOldest) {
   Table table;
   table.watch(PlaceAges::kWindowsMax + 5);

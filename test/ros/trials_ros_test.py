@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""An arm that obeys the nodelets stops before what appears; and again in a second trial, once what
-held from the first is let go."""
+"""An arm that obeys the nodelets stops before what appears; a second trial begins once what held from
+the first is let go."""
 
 import csv
 import json
@@ -14,7 +14,7 @@ import rostest
 
 
 class TrialsTest(unittest.TestCase):
-    def test_an_arm_that_obeys_the_nodelets_stops_before_what_appears(self):
+    def test_one_trial_after_the_other(self):
         with tempfile.TemporaryDirectory() as folder:
             # rosrun passes over a package's folder `build`.
             program = roslib.packages.find_node("tccm_monitor", "trials")[0]

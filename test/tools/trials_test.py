@@ -162,6 +162,12 @@ class TrialsTest(unittest.TestCase):
         self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
         self.assertIn("roslaunch tccm_monitor trials.launch", done.stderr)
 
+    def test_a_speed_that_the_nodelets_would_not_govern_is_refused(self):
+        done = self.call("stopping", "--ros", "--appear-distance-m", "0.15", "--out",
+                         self.folder.name)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("appear_distance_m", done.stderr)
+
     def test_help_says_what_the_experiments_and_their_limits_are(self):
         done = self.call("--help")
         self.assertEqual(done.returncode, 0)

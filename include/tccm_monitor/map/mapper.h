@@ -111,7 +111,7 @@ class Mapper {
   NewestLooks newest_looks_;
   HeldLayer held_;
   PlaceAges ages_;
-  bool settled_ = true;
+  bool settled_ = true;                       ///< the ages follow the newest scan
   std::vector<Vector3> viewpoints_;           ///< of the window's scans, by serial
   std::optional<std::uint32_t> lost_serial_;  ///< of the last scan when something could not be held
   TiltPeriod tilt_;

@@ -42,12 +42,12 @@ class PartMapRing {
   /// Hands each of the oldest part map's returns to visit. @pre scans() > 0
   template <typename Visit>
   void visitOldest(Visit&& visit) const {
-    this->visit(parts_[oldest_], visit);
+    visitPart(parts_[oldest_], visit);
   }
   /// And of the newest. @pre scans() > 0
   template <typename Visit>
   void visitNewest(Visit&& visit) const {
-    this->visit(parts_[newest_], visit);
+    visitPart(parts_[newest_], visit);
   }
   /// Drops the oldest part map. @pre scans() > 0
   void dropOldest() {
@@ -101,7 +101,7 @@ class PartMapRing {
     std::size_t count = 0;
   };
   template <typename Visit>
-  void visit(const Part& part, Visit&& visit) const {
+  void visitPart(const Part& part, Visit&& visit) const {
     const std::size_t straight = std::min(part.count, returns_.size() - part.begin);
     const MappedReturn* from = returns_.data() + part.begin;
     for (std::size_t i = 0; i < straight; ++i) visit(from[i]);
