@@ -6,7 +6,7 @@
 #include <optional>
 #include <random>
 
-#include "simulation/clearance.h"
+#include "simulation/posture_check.h"
 #include "simulation/robot/dual_arm.h"
 #include "tccm_monitor/config_error.h"
 
@@ -33,86 +33,6 @@ constexpr std::array<JointRange, 7> kRanges = {{{"shoulder_pitch", -1.3, 0.5, 1.
 bool startsWith(const std::string& text, const std::string& start) {
   return text.compare(0, start.size(), start) == 0;
 }
-
-/// Whether a posture keeps its distances.
-class PostureCheck {
- public:
-  PostureCheck(const Model& model, const World& world, double clearance_m)
-      : kinematics_(model), clearance_m_(clearance_m) {
-    constexpr double kSpacing = 0.03;  // [m]
-    for (const LinkShape& shape : model->shapes()) {
-      body_.push_back(
-          {shape.shape, {}, boundingRadius(shape.shape), partOf(model->links()[shape.link])});
-      if (body_.back().part != Part::kTrunk) {
-        body_.back().points = surfacePoints(shape.shape, kSpacing);
-      }
-    }
-    for (const SceneObject& object : world) {
-      if (object.name == "floor") continue;
-      scene_.push_back({object.shape, object.T_fixed_shape.inverse()});
-    }
-  }
-
-  [[nodiscard]] bool passes(const Joints& joints) {
-    kinematics_.update(joints, {Pose::Identity()});
-    for (std::size_t i = 0; i < body_.size(); ++i) {
-      if (body_[i].part == Part::kTrunk) continue;
-      for (const Obstacle& obstacle : scene_) {
-        if (nearer(i, obstacle.shape, obstacle.T_shape_fixed, clearance_m_)) return false;
-      }
-      if (meetsItself(i)) return false;
-    }
-    return true;
-  }
-
- private:
-  enum class Part { kTrunk, kLeftUpperArm, kLeftForearm, kRightUpperArm, kRightForearm };
-  struct BodyShape {
-    Shape shape;
-    std::vector<Vector3> points;
-    double radius;
-    Part part;
-  };
-  struct Obstacle {
-    Shape shape;
-    Pose T_shape_fixed;
-  };
-
-  static Part partOf(const std::string& link) {
-    const bool upper = link.find("shoulder") != std::string::npos;
-    if (startsWith(link, "left_")) return upper ? Part::kLeftUpperArm : Part::kLeftForearm;
-    if (startsWith(link, "right_")) return upper ? Part::kRightUpperArm : Part::kRightForearm;
-    return Part::kTrunk;
-  }
-
-  /// Whether body shape i comes nearer to another shape than that.
-  [[nodiscard]] bool nearer(std::size_t i, const Shape& other, const Pose& T_other_fixed,
-                            double least) const {
-    const Pose T_other_shape = T_other_fixed * kinematics_.shapePoses()[i];
-    if (distance(other, T_other_shape.translation()) > body_[i].radius + least) return false;
-    return std::any_of(body_[i].points.begin(), body_[i].points.end(), [&](const Vector3& p) {
-      return distance(other, T_other_shape * p) < least;
-    });
-  }
-
-  /// A forearm with its hand may come near neither to the trunk nor to the other arm.
-  [[nodiscard]] bool meetsItself(std::size_t i) const {
-    constexpr double kApart = 0.04;  // [m]
-    const Part part = body_[i].part;
-    if (part != Part::kLeftForearm && part != Part::kRightForearm) return false;
-    const Part own_upper = part == Part::kLeftForearm ? Part::kLeftUpperArm : Part::kRightUpperArm;
-    for (std::size_t j = 0; j < body_.size(); ++j) {
-      if (body_[j].part == part || body_[j].part == own_upper) continue;
-      if (nearer(i, body_[j].shape, kinematics_.shapePoses()[j].inverse(), kApart)) return true;
-    }
-    return false;
-  }
-
-  Kinematics kinematics_;
-  double clearance_m_;
-  std::vector<BodyShape> body_;
-  std::vector<Obstacle> scene_;
-};
 
 Joints randomPosture(const RobotModel& model, std::mt19937_64& random) {
   std::uniform_real_distribution<double> uniform;
@@ -264,25 +184,13 @@ class Wanderer {
   [[nodiscard]] bool passes(const Joints& here, const Joints& next, double travel) {
     constexpr double kRateMax = 2.5;     // [rad/s]
     constexpr double kTravelMin = 1e-3;  // [m]; slower palms would let the other joints race
-    constexpr int kLooksAhead = 4;
     if (travel < kTravelMin) return false;
     Joints rates(here.size());
     for (std::size_t j = 0; j < here.size(); ++j) {
       rates[j] = (next[j] - here[j]) / travel * config_.speed_mps;
       if (std::abs(rates[j]) > kRateMax) return false;
     }
-    if (!check_.passes(here)) return false;
-    // The furthest first: they fail most.
-    for (int i = kLooksAhead; i > 0; --i) {
-      const double later_s = config_.horizon_s * i / kLooksAhead;
-      if (!passesLater(here, rates, later_s) || !passesLater(here, rates, -later_s)) return false;
-    }
-    return true;
-  }
-
-  [[nodiscard]] bool passesLater(Joints joints, const Joints& rates, double seconds) {
-    for (std::size_t j = 0; j < joints.size(); ++j) joints[j] += seconds * rates[j];
-    return check_.passes(joints);
+    return check_.passesAround(here, rates, config_.horizon_s);
   }
 
   Model model_;

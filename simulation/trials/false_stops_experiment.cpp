@@ -9,12 +9,15 @@
 #include "simulation/trials/draw.h"
 #include "simulation/trials/experiment.h"
 #include "simulation/trials/parallel.h"
+#include "simulation/trials/stretching.h"
+#include "simulation/wander.h"
 
 namespace tccm::simulation {
 namespace {
 
 struct FalseStopsOptions {
   SelfFilterTrial::Config trial;
+  std::string motion = kStretching;
   std::size_t motions = 1000;
   std::vector<double> noises_m = {0.01};
   std::vector<double> speeds_mps = {0.1, 0.25, 0.4};
@@ -24,15 +27,17 @@ struct FalseStopsOptions {
 void declare(CLI::App& command, FalseStopsOptions& options) {
   Simulator::Config& simulator = options.trial.simulator;
   command.footer(
-      "Both arms move at random before a table or a shelf with a drawer, clear of everything, "
-      "also\n"
-      "where they would be half a second later: a permission that goes for a contact goes for\n"
-      "nothing. The arms stop and slow down as they are told. Speeds and scenes take turns; every\n"
-      "motion has a path of a metre, to and fro, a phase of the tilt and a body of its own, each "
-      "of whose parts is\n"
-      "displaced.\n"
+      "An arm stretches over a table, or before a shelf with a drawer, as low as its clearance\n"
+      "allows; or both arms move at random (wander). They keep clear of everything, also where "
+      "they\n"
+      "would be half a second later: a permission that goes for a contact goes for nothing. The "
+      "arms\n"
+      "stop and slow down as they are told. Speeds and scenes take turns; every motion has a path, "
+      "to\n"
+      "and fro, a phase of the tilt and a body of its own, each of whose parts is displaced.\n"
       "Limit: no false stop at a noise of up to 10 mm.");
   command.option_defaults()->always_capture_default();
+  command.add_option("--motion", options.motion)->check(CLI::IsMember({kStretching, kWander}));
   command.add_option("--motions", options.motions, "at each noise")->check(CLI::Range(1, 1000000));
   command.add_option("--duration-s", options.trial.duration_s, "of a motion");
   command.add_option("--noises-m", options.noises_m, "standard deviations of a range")
@@ -86,6 +91,10 @@ SelfFilterTrial::Config configOf(const FalseStopsOptions& options, const Motion&
   simulator.scene = motion.scene;
   simulator.scanner.noise_m = motion.noise_m;
   simulator.controller.speed_mps = motion.speed_mps;
+  if (options.motion == kStretching) {
+    simulator.path = stretchOver(dualArm(), scene(motion.scene),
+                                 {motion.seed, motion.speed_mps, simulator.wander_clearance_m});
+  }
   simulator.wander_length_m = 1.0;  // to and fro
   simulator.head.tilt.phase_rad = draw.between(0.0, 2.0 * M_PI);
   return config;
@@ -181,7 +190,8 @@ Findings runFalseStops(FalseStopsOptions options, const TrialOptions& common,
   inParallel(motions.size(), common.jobs, work, progress);
   Findings findings;
   const Simulator::Config& simulator = options.trial.simulator;
-  findings.settings = {{"motions", options.motions},
+  findings.settings = {{"motion", options.motion},
+                       {"motions", options.motions},
                        {"duration_s", options.trial.duration_s},
                        {"noises_m", options.noises_m},
                        {"speeds_mps", options.speeds_mps},
@@ -202,7 +212,7 @@ Findings runFalseStops(FalseStopsOptions options, const TrialOptions& common,
 Experiment falseStopsExperiment(CLI::App& app) {
   auto options = std::make_shared<FalseStopsOptions>();
   Simulator::Config& simulator = options->trial.simulator;
-  simulator.motion = "wander";
+  simulator.motion = kWander;
   simulator.wander_clearance_m = 0.08;
   simulator.body_error.size_m = 0.01;
   options->trial.joints_late_s = 0.02;
