@@ -83,6 +83,7 @@ nlohmann::ordered_json settingsToJson(const Options& options) {
       {"body_error", options.body_error},
       {"self_filter", options.trial.monitor.self_filter},
       {"self_filter_padding_m", options.trial.monitor.body.filtered.expansion.padding_m},
+      {"self_filter_range_tolerance_m", assembler.body.range_tolerance_m},
       {"self_filter_grazing_m", assembler.body.grazing_m},
       {"self_filter_shadow_depth_m", assembler.body.shadow_depth_m},
       {"mixed_pixel_separation_m", assembler.mixed_pixel.separation_m},

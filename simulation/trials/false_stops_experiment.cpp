@@ -21,7 +21,7 @@ struct FalseStopsOptions {
   std::size_t motions = 1000;
   std::vector<double> noises_m = {0.01};
   std::vector<double> speeds_mps = {0.1, 0.25, 0.4};
-  std::vector<std::string> scenes = {"table", "shelf"};
+  std::vector<std::string> scenes = {"table"};
 };
 
 void declare(CLI::App& command, FalseStopsOptions& options) {
@@ -30,11 +30,10 @@ void declare(CLI::App& command, FalseStopsOptions& options) {
       "An arm stretches over a table, or before a shelf with a drawer, as low as its clearance\n"
       "allows; or both arms move at random (wander). They keep clear of everything, also where "
       "they\n"
-      "would be half a second later: a permission that goes for a contact goes for nothing. The "
-      "arms\n"
-      "stop and slow down as they are told. Speeds and scenes take turns; every motion has a path, "
-      "to\n"
-      "and fro, a phase of the tilt and a body of its own, each of whose parts is displaced.\n"
+      "would be half a second later: a permission that goes for a contact goes for nothing. The\n"
+      "arms stop and slow down as they are told. Speeds and scenes take turns; every motion has a\n"
+      "path, to and fro, a phase of the tilt and a body of its own, each of whose parts is\n"
+      "displaced.\n"
       "Limit: no false stop at a noise of up to 10 mm.");
   command.option_defaults()->always_capture_default();
   command.add_option("--motion", options.motion)->check(CLI::IsMember({kStretching, kWander}));

@@ -17,7 +17,8 @@ namespace {
 
 constexpr double kSpacing = 0.01;    // [m] between the points that clearances are measured from
 constexpr double kAlong = 0.01;      // [m] of the path between the places that the arm comes to
-constexpr double kExactly = 0.0005;  // [m] to which the place of the contact is found
+constexpr double kExactly = 0.0001;  // [m] to which the place of the contact is found
+constexpr double kStep_s = 0.001;    // of the simulator, which brakes from step to step
 constexpr double kSupport = 0.03;    // [m] of height within which returns support each other
 constexpr std::size_t kSupporting = 3;
 constexpr double kSettled = 5.0;      // [s] until the map is whole
@@ -205,7 +206,7 @@ void StoppingTrial::findContact(double from_m) {
     const double middle = 0.5 * (near + far);
     (touches(middle) ? far : near) = middle;
   }
-  contact_m_ = far;
+  contact_m_ = near;
 }
 
 Body StoppingTrial::armAt(double way_m) {
@@ -310,8 +311,8 @@ StoppingTrial::Cause StoppingTrial::causeOfContact() const {
 bool StoppingTrial::brakesInTime(const std::optional<Judged>& from) const {
   if (!from) return false;
   const double v = from->speed_mps;
-  const double way =
-      v * config_.controller.latency_s + v * v / (2.0 * config_.controller.acceleration_mps2);
+  const double way = v * (config_.controller.latency_s + kStep_s) +
+                     v * v / (2.0 * config_.controller.acceleration_mps2);
   return from->way_m + way < contact_m_;
 }
 

@@ -20,11 +20,12 @@ using Points = std::vector<Vector3>;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kScans = 225;  // of 28 ms: four tilts
+constexpr std::size_t kTilt = 56;    // scans
 
 struct UpdatesOptions {
   std::vector<std::size_t> windows = {5, 10, 20, 40, 80, 120, 160, 200};
   std::size_t steps = 9 * kScans;
-  std::size_t additions = kScans;
+  std::size_t additions = kTilt;
   std::vector<std::string> scenes = {"table", "shelf"};
 };
 

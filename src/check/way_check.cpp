@@ -16,14 +16,6 @@ constexpr std::size_t kDepthMax = 24;  // halvings; a way of a kilometre in step
 constexpr int kSpeedSamples = 4;
 constexpr double kTouching = 1e-6;  // [m] that count as nothing
 
-/// How far a point within that radius of a frame's origin moves at most from one pose of the frame
-/// to another, on the shortest way.
-double displacement(const Pose& from, const Pose& to, double radius_m) {
-  const Eigen::Matrix3d turn = from.linear().transpose() * to.linear();
-  const double angle = std::acos(std::clamp(0.5 * (turn.trace() - 1.0), -1.0, 1.0));
-  return (to.translation() - from.translation()).norm() + angle * radius_m;
-}
-
 }  // namespace
 
 WayCheck::WayCheck(std::shared_ptr<const RobotModel> model, const LinkUse& collision_use,

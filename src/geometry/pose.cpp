@@ -14,6 +14,12 @@ Pose interpolate(const Pose& from, const Pose& to, double u) {
   return pose;
 }
 
+double displacement(const Pose& from, const Pose& to, double radius_m) {
+  const Eigen::Matrix3d turn = from.linear().transpose() * to.linear();
+  const double angle = std::acos(std::clamp(0.5 * (turn.trace() - 1.0), -1.0, 1.0));
+  return (to.translation() - from.translation()).norm() + angle * radius_m;
+}
+
 bool isRigid(const Pose& pose) {
   constexpr double kTolerance = 1e-6;
   if (!pose.matrix().allFinite()) return false;

@@ -10,6 +10,7 @@ namespace tccm {
 void BodySampler::Config::validate() const {
   joints.validate();
   filtered.validate(kSelfFilterKeys);
+  requireInRange("self_filter_lateness_s", lateness_s, 0.0, 1.0);
   requireInRange("body_sample_s", sample_s, 1e-4, 1.0);
 }
 
@@ -27,11 +28,13 @@ void BodySampler::setModel(std::shared_ptr<const RobotModel> model) {
   used_ = std::move(used);
   kinematics_ = Kinematics(model_);
   body_ = Body();
+  radii_m_.clear();
   for (std::size_t i = 0; i < used_.shapes.size(); ++i) {
     const Expansion& expansion = used_.expansions[i];
     body_.shapes.push_back(
         expanded(model_->shapes()[used_.shapes[i]].shape, Expansion{expansion.scale, 0.0}));
     body_.paddings_m.push_back(expansion.padding_m);
+    radii_m_.push_back(boundingRadius(body_.shapes.back()));
   }
   body_.poses.resize(body_.shapes.size(), Pose::Identity());
 }
@@ -62,7 +65,22 @@ std::string BodySampler::sample(Time first, Time last, const std::vector<PosePat
       sample.body.poses[k] = kinematics_.shapePoses()[used_.shapes[k]];
     }
   }
+  growBySpeed();
   return {};
+}
+
+/// By that on the way to each sample, and to the second at the first.
+void BodySampler::growBySpeed() {
+  for (std::size_t i = 1; i < samples_.size(); ++i) {
+    const BodySample& before = samples_[i - 1];
+    BodySample& sample = samples_[i];
+    const double late = config_.lateness_s / toSeconds(sample.stamp - before.stamp);
+    for (std::size_t k = 0; k < radii_m_.size(); ++k) {
+      const double moved = displacement(before.body.poses[k], sample.body.poses[k], radii_m_[k]);
+      sample.body.paddings_m[k] = body_.paddings_m[k] + late * moved;
+    }
+  }
+  if (samples_.size() > 1) samples_.front().body.paddings_m = samples_[1].body.paddings_m;
 }
 
 }  // namespace tccm

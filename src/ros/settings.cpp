@@ -161,8 +161,10 @@ AssemblerSettings readAssemblerSettings(Parameters& parameters) {
   parameters.read("scan_beams_max", settings.assembler.scan_beams_max);
   parameters.read("scan_unknown_fraction_max", settings.assembler.scan_unknown_fraction_max);
   parameters.read("mixed_pixel_separation_m", settings.assembler.mixed_pixel.separation_m);
+  parameters.read("self_filter_range_tolerance_m", settings.assembler.body.range_tolerance_m);
   parameters.read("self_filter_grazing_m", settings.assembler.body.grazing_m);
   parameters.read("self_filter_shadow_depth_m", settings.assembler.body.shadow_depth_m);
+  parameters.read("self_filter_lateness_s", settings.body.lateness_s);
   parameters.read("body_sample_s", settings.body.sample_s);
   read(parameters, settings.body.joints);
   parameters.read("transform_gap_max_s", settings.transform_gap_max_s);

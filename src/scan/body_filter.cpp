@@ -17,6 +17,7 @@ double squaredDistance(const Ray& ray, double length, const Vector3& p) {
 }  // namespace
 
 void BodyFilter::Config::validate() const {
+  requireInRange("self_filter_range_tolerance_m", range_tolerance_m, 0.0, 1.0);
   requireInRange("self_filter_grazing_m", grazing_m, 0.0, 1.0);
   requireInRange("self_filter_shadow_depth_m", shadow_depth_m, 0.0, 100.0);
 }
@@ -37,18 +38,23 @@ BeamKind BodyFilter::classify(const Beam& beam, const Body& body) const {
   const Vector3 sight = beam.p_fixed - beam.viewpoint;
   const double range = sight.norm();
   const Ray ray{beam.viewpoint, sight / range};
+  const double tolerance = config_.range_tolerance_m;
   BeamKind kind = BeamKind::kReturn;
   for (std::size_t i = 0; i < body.shapes.size(); ++i) {
     const Shape& shape = body.shapes[i];
     const Pose& pose = body.poses[i];
     const double padding = body.paddings_m[i];
     const double far = boundingRadius(shape) + std::max(padding, 2.0 * config_.grazing_m);
-    if (squaredDistance(ray, range, pose.translation()) > far * far) continue;
+    if (squaredDistance(ray, range + tolerance, pose.translation()) > far * far) continue;
     const Pose T_shape_fixed = pose.inverse();
     if (distance(shape, T_shape_fixed * beam.p_fixed) <= padding) return BeamKind::kSelf;
     if (distance(shape, T_shape_fixed * beam.viewpoint) == 0.0) continue;
-    const auto span =
-        intersect(expanded(shape, {1.0, config_.grazing_m}), transformed(ray, T_shape_fixed));
+    const Ray ray_in_shape = transformed(ray, T_shape_fixed);
+    const auto own = intersect(expanded(shape, {1.0, padding}), ray_in_shape);
+    if (own && range >= own->enter - tolerance && range <= own->leave + tolerance) {
+      return BeamKind::kSelf;
+    }
+    const auto span = intersect(expanded(shape, {1.0, config_.grazing_m}), ray_in_shape);
     if (span && range >= span->enter && range <= span->leave + config_.shadow_depth_m) {
       kind = BeamKind::kShadow;
     }

@@ -104,7 +104,26 @@ TEST_F(BodySamplerTest, WhatIsHeldIsFilteredOutFromTheNextSampleOn) {
   const Body& body = sampler_.samples().front().body;
   ASSERT_EQ(body.shapes.size(), 3U);
   EXPECT_TRUE(test::isNearly(Vector3(body.poses[2].translation()), Vector3(0.14, 0.0, 0.62), 1e-9));
-  EXPECT_EQ(body.paddings_m[2], 0.06);
+  EXPECT_EQ(body.paddings_m[2], 0.025);
+}
+
+TEST(BodySamplerUseTest, PaddingsGrowWithTheSpeedOfWhatMayBeLate) {
+  BodySampler::Config config;
+  config.lateness_s = 0.03;
+  BodySampler sampler(test::sliderModel(), config);
+  sampler.joints().add(at(1.0), {"slide", "glide"}, {0.0, 0.0}, {});
+  sampler.joints().add(at(1.02), {"slide", "glide"}, {0.0, 0.01}, {});
+  PosePath root;
+  root.add(at(0.9), Pose::Identity());
+  root.add(at(1.1), Pose::Identity());
+  ASSERT_EQ(sampler.sample(at(1.0), at(1.02), {root}), "");
+  ASSERT_GT(sampler.samples().size(), 2U);
+  for (const BodySample& sample : sampler.samples()) {
+    EXPECT_NEAR(sample.body.paddings_m[0], 0.025, 1e-9) << "it stands";
+    EXPECT_NEAR(sample.body.paddings_m[1], 0.025 + 0.03 * 0.5, 1e-6) << "half a metre a second";
+  }
+  ASSERT_EQ(sampler.sample(at(1.0), at(1.0), {root}), "");
+  EXPECT_EQ(sampler.samples().front().body.paddings_m[1], 0.025) << "one instant tells no speed";
 }
 
 /// A base and a trailer, each on a path of its own.

@@ -87,6 +87,9 @@ TEST(SettingsTest, TheDefaultFileHoldsTheDefaults) {
             none.assembler.body.filtered.expansion.scale);
   EXPECT_EQ(file.assembler.body.filtered.expansion.padding_m,
             none.assembler.body.filtered.expansion.padding_m);
+  EXPECT_EQ(file.assembler.body.lateness_s, none.assembler.body.lateness_s);
+  EXPECT_EQ(file.assembler.assembler.body.range_tolerance_m,
+            none.assembler.assembler.body.range_tolerance_m);
   EXPECT_EQ(file.assembler.assembler.body.grazing_m, none.assembler.assembler.body.grazing_m);
   EXPECT_EQ(file.assembler.assembler.body.shadow_depth_m,
             none.assembler.assembler.body.shadow_depth_m);
@@ -196,6 +199,8 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(Refused{"fixed_frame", "''"}, Refused{"fixed_frame", "/"},
                       Refused{"scan_beams_max", "0"}, Refused{"mixed_pixel_separation_m", "-0.1"},
                       Refused{"self_filter_padding_m", "-0.1"},
+                      Refused{"self_filter_range_tolerance_m", "-0.1"},
+                      Refused{"self_filter_lateness_s", "-0.1"},
                       Refused{"self_filter_grazing_m", "-0.1"},
                       Refused{"self_filter_shadow_depth_m", ".nan"}, Refused{"body_sample_s", "0"},
                       Refused{"joint_gap_max_s", "0"}, Refused{"joint_velocity_baseline_s", "-1"},

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "support/random.h"
 #include "tccm_monitor/config_error.h"
@@ -15,7 +17,7 @@ using K = BeamKind;
 /// The sensor at the origin looks along x at a sphere of radius 0.1 m, 1 m away.
 constexpr double kRadius = 0.1;
 constexpr double kAway = 1.0;
-constexpr double kPadding = 0.06;
+constexpr double kPadding = 0.02;
 
 Pose at(double x, double y, double z) {
   Pose pose = Pose::Identity();
@@ -64,9 +66,22 @@ Vector3 passing(double miss, double range) {
 TEST(BodyFilterTest, PointsInsideAndNearTheBodyAreItsOwn) {
   EXPECT_EQ(kindOf(kBall, {1.0, 0.0, 0.0}), K::kSelf);
   EXPECT_EQ(kindOf(kBall, {0.9, 0.0, 0.0}), K::kSelf);
-  EXPECT_EQ(kindOf(kBall, {0.841, 0.0, 0.0}), K::kSelf);
-  EXPECT_EQ(kindOf(kBall, {0.839, 0.0, 0.0}), K::kReturn);
-  EXPECT_EQ(kindOf(kBall, {1.0, 0.159, 0.0}), K::kSelf);
+  EXPECT_EQ(kindOf(kBall, {1.0, 0.119, 0.0}), K::kSelf);
+  EXPECT_EQ(kindOf(kBall, {1.0, 0.125, 0.0}), K::kReturn);
+}
+
+TEST(BodyFilterTest, NoiseMovesOnesOwnPointsAlongTheBeamAndNotAside) {
+  // The beam meets the padded ball from 0.88 m to 1.12 m.
+  EXPECT_EQ(kindOf(kBall, {0.831, 0.0, 0.0}), K::kSelf);
+  EXPECT_EQ(kindOf(kBall, {0.829, 0.0, 0.0}), K::kReturn);
+  EXPECT_EQ(kindOf(kBall, {1.169, 0.0, 0.0}), K::kSelf);
+  EXPECT_EQ(kindOf(kBall, {1.171, 0.0, 0.0}), K::kShadow);
+  EXPECT_EQ(kindOf(kBall, passing(kRadius + 0.019, 0.95)), K::kSelf);
+  EXPECT_EQ(kindOf(kBall, passing(kRadius + 0.021, 0.95)), K::kReturn);
+  BodyFilter::Config exact;
+  exact.range_tolerance_m = 0.0;
+  EXPECT_EQ(kindOf(kBall, {0.881, 0.0, 0.0}, exact), K::kSelf);
+  EXPECT_EQ(kindOf(kBall, {0.879, 0.0, 0.0}, exact), K::kReturn);
 }
 
 TEST(BodyFilterTest, PointsInFrontOfTheBodyAreKept) {
@@ -91,9 +106,9 @@ TEST(BodyFilterTest, ABeamThatGrazesTheEdgeIsShadowedAndOnePastTheGrazingRadiusI
 
 TEST(BodyFilterTest, ARealObstacleBesideTheHandIsKept) {
   const BodySample hand = sampleOf(Capsule{0.04, 0.06}, at(0.8, 0.0, 0.0));
-  EXPECT_EQ(kindOf(hand, {0.8, 0.105, 0.0}), K::kReturn);
-  EXPECT_EQ(kindOf(hand, {0.85, 0.10, 0.03}), K::kReturn);
-  EXPECT_EQ(kindOf(hand, {0.8, 0.095, 0.0}), K::kSelf);
+  EXPECT_EQ(kindOf(hand, {0.8, 0.065, 0.0}), K::kReturn);
+  EXPECT_EQ(kindOf(hand, {0.85, 0.07, 0.03}), K::kReturn);
+  EXPECT_EQ(kindOf(hand, {0.8, 0.055, 0.0}), K::kSelf);
 }
 
 TEST(BodyFilterTest, WithoutShadowDepthOnlyTheBodyItselfIsRemoved) {
@@ -136,10 +151,12 @@ TEST(BodyFilterTest, EachShapeHasAPaddingOfItsOwn) {
                         {{Sphere{kRadius}, Sphere{kRadius}},
                          {at(kAway, 0.0, 0.0), at(kAway, 1.0, 0.0)},
                          {0.01, 0.2}}};
-  EXPECT_EQ(kindOf(body, {0.895, 0.0, 0.0}), K::kSelf);
-  EXPECT_EQ(kindOf(body, {0.885, 0.0, 0.0}), K::kReturn);
-  EXPECT_EQ(kindOf(body, {0.885, 1.0, 0.0}), K::kSelf);
-  EXPECT_EQ(kindOf(body, {0.695, 1.0, 0.0}), K::kReturn);
+  BodyFilter::Config exact;
+  exact.range_tolerance_m = 0.0;
+  EXPECT_EQ(kindOf(body, {0.895, 0.0, 0.0}, exact), K::kSelf);
+  EXPECT_EQ(kindOf(body, {0.885, 0.0, 0.0}, exact), K::kReturn);
+  EXPECT_EQ(kindOf(body, {0.885, 1.0, 0.0}, exact), K::kSelf);
+  EXPECT_EQ(kindOf(body, {0.680, 1.0, 0.0}, exact), K::kReturn);
 }
 
 TEST(BodyFilterTest, NoSamplesLeaveTheScanAsItIs) {
@@ -154,19 +171,32 @@ TEST(BodyFilterTest, OnlyReturnsAreTouched) {
   }
 }
 
-/// Inside or near by distance, shadowed by marching along the beam through the grown shape.
+/// From where to where the beam to p meets a shape that is placed, by marching; nowhere: the first
+/// is larger.
+std::pair<double, double> marched(const Shape& shape, const Pose& T_shape_fixed, const Vector3& p,
+                                  double until) {
+  std::pair<double, double> span(1e9, -1e9);
+  for (double along = 0.0; along <= until; along += 0.0005) {
+    if (distance(shape, T_shape_fixed * (p.normalized() * along)) > 0.0) continue;
+    span.first = std::min(span.first, along);
+    span.second = along;
+  }
+  return span;
+}
+
+/// Inside or near by distance; its own along the beam and shadowed by marching.
 K byMarching(const Shape& shape, const Pose& pose, const Vector3& p,
              const BodyFilter::Config& config) {
   const Pose T_shape_fixed = pose.inverse();
   if (distance(shape, T_shape_fixed * p) <= kPadding) return K::kSelf;
   if (distance(shape, T_shape_fixed * Vector3::Zero()) == 0.0) return K::kReturn;
-  const Shape grown = expanded(shape, {1.0, config.grazing_m});
   const double range = p.norm();
-  double left = -1.0;
-  for (double along = 0.0; along <= range; along += 0.0005) {
-    if (distance(grown, T_shape_fixed * (p / range * along)) == 0.0) left = along;
-  }
-  return left >= 0.0 && range <= left + config.shadow_depth_m ? K::kShadow : K::kReturn;
+  const double tolerance = config.range_tolerance_m;
+  const auto own = marched(expanded(shape, {1.0, kPadding}), T_shape_fixed, p, range + tolerance);
+  if (range >= own.first - tolerance && range <= own.second + tolerance) return K::kSelf;
+  const auto grazed = marched(expanded(shape, {1.0, config.grazing_m}), T_shape_fixed, p, range);
+  const bool is_behind = grazed.first <= range && range <= grazed.second + config.shadow_depth_m;
+  return is_behind ? K::kShadow : K::kReturn;
 }
 
 TEST(BodyFilterTest, RandomBodiesAgreeWithMarchingAlongTheBeam) {
@@ -193,7 +223,8 @@ TEST(BodyFilterTest, NegativeAndNaNConfigurationsAreRefused) {
   for (const double bad :
        {-0.01, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     for (double BodyFilter::Config::*key :
-         {&BodyFilter::Config::grazing_m, &BodyFilter::Config::shadow_depth_m}) {
+         {&BodyFilter::Config::range_tolerance_m, &BodyFilter::Config::grazing_m,
+          &BodyFilter::Config::shadow_depth_m}) {
       BodyFilter::Config config;
       config.*key = bad;
       EXPECT_THROW(BodyFilter{config}, ConfigError);

@@ -16,9 +16,8 @@ namespace tccm {
 class PoseCheck {
  public:
   struct Config {
-    /// What is checked for collision. The self filter erases what comes nearer than its own
-    /// padding, so this one should not be much smaller.
-    LinkUse collision_use{Expansion{1.0, 0.04}};
+    /// What is checked for collision.
+    LinkUse collision_use{Expansion{1.0, 0.03}};
     LinkUse occlusion_use = linksAlone();  ///< what the sensor should see
     CollisionCheck::Config collision;
     OcclusionCheck::Config occlusion;

@@ -15,6 +15,10 @@ using Pose = Eigen::Isometry3d;
 /// Linear in the translation, spherical in the rotation. @param u 0 gives from, 1 gives to.
 [[nodiscard]] Pose interpolate(const Pose& from, const Pose& to, double u);
 
+/// How far a point within that radius of a frame's origin moves at most from one pose of the frame
+/// to another, on the shortest way [m].
+[[nodiscard]] double displacement(const Pose& from, const Pose& to, double radius_m);
+
 /// False where a number is NaN or infinite, or the rotation is none.
 [[nodiscard]] bool isRigid(const Pose& pose);
 

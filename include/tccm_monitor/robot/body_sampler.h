@@ -16,10 +16,11 @@ class BodySampler {
  public:
   struct Config {
     JointStates::Config joints;
-    /// What is filtered out. Its padding is how near a point counts as the robot's own: it needs
-    /// five times the range noise plus the body model's error; a check padded by less relies on
-    /// older points inside that shell.
-    LinkUse filtered{Expansion{1.0, 0.06}};
+    /// What is filtered out. Its padding is how near to a beam the body may be for the beam to have
+    /// met it: the error of the body model and of its place.
+    LinkUse filtered{Expansion{1.0, 0.025}};
+    /// Joint states may be so late: paddings grow by it times the primitive's speed.
+    double lateness_s = 0.02;
     /// Time between two samples. Half of it at a hand's speed is the error of its place.
     double sample_s = 0.004;
 
@@ -47,13 +48,15 @@ class BodySampler {
  private:
   /// Fills roots_. @return false where one is not known at that time.
   [[nodiscard]] bool placeRoots(Time stamp, const std::vector<PosePath>& T_fixed_roots);
+  void growBySpeed();
 
   std::shared_ptr<const RobotModel> model_;
   Config config_;
   JointStates joints_;
   Kinematics kinematics_;
   UsedShapes used_;
-  Body body_;  ///< what all samples have in common
+  Body body_;  ///< what all samples have in common, paddings but for the speed
+  std::vector<double> radii_m_;
   std::vector<Pose> roots_;
   std::vector<double> positions_;
   std::vector<BodySample> samples_;

@@ -14,6 +14,9 @@ namespace tccm {
 class BodyFilter {
  public:
   struct Config {
+    /// Points on beams that meet the padded body count as its own so far before and behind it:
+    /// noise moves a point along its beam alone. Five times the range noise.
+    double range_tolerance_m = 0.05;
     /// A beam that passes the body nearer than this grazes it. Every millimetre hides real
     /// obstacles beside the hand.
     double grazing_m = 0.01;
@@ -28,7 +31,8 @@ class BodyFilter {
   /// @throws ConfigError
   explicit BodyFilter(const Config& config);
 
-  /// Turns returns into kSelf, where they lie within a shape's padding, or kShadow. Each beam is
+  /// Turns returns into kSelf, where they lie within a shape's padding, or on a beam through it and
+  /// within the range tolerance, or kShadow. Each beam is
   /// compared with the sample nearest to it in time. A primitive that contains the sensor (a
   /// laser's housing) casts no shadow.
   /// @param samples at rising instants; empty leaves the scan as it is.
