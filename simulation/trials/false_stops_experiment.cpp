@@ -27,7 +27,8 @@ struct FalseStopsOptions {
 void declare(CLI::App& command, FalseStopsOptions& options) {
   Simulator::Config& simulator = options.trial.simulator;
   command.footer(
-      "An arm stretches over a table, or before a shelf with a drawer, as low as its clearance\n"
+      "An arm stretches over a table, or before a shelf with a drawer, as low as its clearance "
+      "and\n"
       "allows; or both arms move at random (wander). They keep clear of everything, also where "
       "they\n"
       "would be half a second later: a permission that goes for a contact goes for nothing. The\n"

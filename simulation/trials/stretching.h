@@ -17,8 +17,8 @@ struct StretchConfig {
   double horizon_s = 0.5;     ///< the arm keeps clear also where it would be so much later
 };
 
-/// The right hand stretches straight ahead or slantwise over what is before the robot, from a
-/// random place to another, as low as its clearance allows. The same for the same seed.
+/// The right hand stretches straight ahead or slantwise over what is before the robot, from a random
+/// place to another, as low as its clearance and its reach allow. The same for the same seed.
 /// @param world its objects where they finally are.
 /// @throws ConfigError where no such path is found.
 [[nodiscard]] ArmPath stretchOver(const std::shared_ptr<const RobotModel>& model,

@@ -221,7 +221,7 @@ TEST_F(RobotMarkerTest, WhatTheHandHoldsIsDrawnWithIt) {
   });
   ASSERT_NE(cylinder, markers.end());
   EXPECT_NEAR(cylinder->pose.position.x, 0.62, 1e-9);
-  EXPECT_NEAR(cylinder->scale.x, 2.0 * (0.03 + 0.04), 1e-9);
+  EXPECT_NEAR(cylinder->scale.x, 2.0 * (0.03 + 0.03), 1e-9);
   EXPECT_EQ(
       std::count_if(markers.begin(), markers.end(), [](const Marker& m) { return m.ns == "now"; }),
       5)

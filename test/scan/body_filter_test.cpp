@@ -111,8 +111,9 @@ TEST(BodyFilterTest, ARealObstacleBesideTheHandIsKept) {
   EXPECT_EQ(kindOf(hand, {0.8, 0.055, 0.0}), K::kSelf);
 }
 
-TEST(BodyFilterTest, WithoutShadowDepthOnlyTheBodyItselfIsRemoved) {
+TEST(BodyFilterTest, WithoutToleranceAndShadowOnlyTheBodyItselfIsRemoved) {
   BodyFilter::Config config;
+  config.range_tolerance_m = 0.0;
   config.grazing_m = 0.0;
   config.shadow_depth_m = 0.0;
   const BodySample bare = sampleOf(Sphere{kRadius}, at(kAway, 0.0, 0.0), 0.0, 0.0);

@@ -50,10 +50,11 @@ TEST(SelfFilterTrialTest, WithoutTheSelfFilterTheRobotTouchesItself) {
             (std::vector<std::string>{"own_points", "contacts_with_body"}));
 }
 
-TEST(SelfFilterTrialTest, With10MmOfRangeToleranceNoisePutsTheBodyIntoTheMap) {
+TEST(SelfFilterTrialTest, With10MmOfPaddingAloneNoisePutsTheBodyIntoTheMap) {
   SelfFilterTrial::Config config = halfAMinute();
   config.duration_s = 20.0;
-  config.monitor.assembler.body.range_tolerance_m = 0.01;
+  config.monitor.body.filtered.expansion.padding_m = 0.01;
+  config.monitor.assembler.body.range_tolerance_m = 0.0;
   const SelfFilterTally tally = run(config);
   EXPECT_GT(tally.of(BeamSource::kOwn).mapped(), 100U);
   EXPECT_GT(tally.contacts_with_body, 0U);

@@ -51,7 +51,8 @@ class SelfFilterTrialTest(unittest.TestCase):
                          self.trial("--minutes", "0.1", "--config", shipped, out="shipped"))
 
     def test_a_filter_that_is_off_or_too_tight_misses_limits(self):
-        for text in ("  self_filter: false\n", "  self_filter_range_tolerance_m: 0.01\n"):
+        for text in ("  self_filter: false\n",
+                     "  self_filter_padding_m: 0.01\n  self_filter_range_tolerance_m: 0.0\n"):
             with self.subTest(text):
                 status, summary = self.trial("--minutes", "0.3", "--config", self.config(text))
                 self.assertEqual(status, 1)
