@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <array>
+#include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "simulation/robot/dual_arm.h"
@@ -100,10 +102,14 @@ SelfFilterTrial::Config configOf(const FalseStopsOptions& options, const Motion&
   return config;
 }
 
-/// What most of the returns at a false stop came from.
-BeamSource mainSource(const FalseContact& stop) {
+constexpr std::array<BeamSource, kBeamSources> kSources = {
+    BeamSource::kOwn, BeamSource::kScene, BeamSource::kOwnMixed, BeamSource::kSceneMixed};
+constexpr char kHeld[] = "held";
+
+/// What most of the returns at a false stop came from; held where none is in the window any more.
+std::string mainSource(const FalseContact& stop) {
   const auto most = std::max_element(stop.supporters.begin(), stop.supporters.end());
-  return static_cast<BeamSource>(most - stop.supporters.begin());
+  return *most > 0 ? name(static_cast<BeamSource>(most - stop.supporters.begin())) : kHeld;
 }
 
 std::string rowOf(const Motion& motion) {
@@ -115,14 +121,14 @@ std::string rowOf(const Motion& motion) {
   if (tally.stops.empty()) return row + ",,\n";
   const FalseContact& first = tally.stops.front();
   return row + fixed(toSeconds(first.stamp - Simulator::Config().start), 3) + ',' + first.link +
-         ',' + name(mainSource(first)) + '\n';
+         ',' + mainSource(first) + '\n';
 }
 
 /// Of the motions at one noise.
 struct Tally {
   std::size_t motions = 0, with_stop = 0, stops = 0;
   double permitted_s = 0.0, slowed_s = 0.0;
-  std::array<std::size_t, kBeamSources> by_source{};
+  std::map<std::string, std::size_t> by_source;
 
   void add(const SelfFilterTally& motion) {
     ++motions;
@@ -131,7 +137,7 @@ struct Tally {
     permitted_s += motion.permitted_s;
     slowed_s += motion.slowed_s;
     for (const FalseContact& stop : motion.stops) {
-      ++by_source[static_cast<std::size_t>(mainSource(stop))];
+      ++by_source[mainSource(stop)];
     }
   }
 };
@@ -148,9 +154,8 @@ void add(const std::vector<Motion>& motions, const FalseStopsOptions& options, F
     const double noise_m = motions[first].noise_m;
     const double hours = std::max(tally.permitted_s, 1e-9) / 3600.0;
     nlohmann::ordered_json sources;
-    for (std::size_t i = 0; i < kBeamSources; ++i) {
-      sources[name(static_cast<BeamSource>(i))] = tally.by_source[i];
-    }
+    for (const BeamSource source : kSources) sources[name(source)] = tally.by_source[name(source)];
+    sources[kHeld] = tally.by_source[kHeld];
     findings.figures["by_noise"].push_back(
         {{"noise_m", noise_m},
          {"motions", tally.motions},

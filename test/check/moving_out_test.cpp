@@ -25,6 +25,7 @@ class MovingOutTest : public ::testing::Test {
  protected:
   MovingOutTest() {
     config_.check_occlusion = false;
+    config_.collision_use.expansion.padding_m = 0.04;
     addWall(0.8, 0.0);
   }
 

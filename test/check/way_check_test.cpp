@@ -310,7 +310,6 @@ class ThinWallTest : public test::CheckerFixture {
     wall_.window = clear_.window;
     test::lookAround(wall_);
     config_.pose.check_occlusion = false;
-    config_.pose.collision_use = LinkUse({1.0, kPadding});
     remake();
   }
   [[nodiscard]] PoseFindings pose(double slide) const {

@@ -22,8 +22,9 @@ inline Time at(double seconds) { return Time(fromSeconds(seconds)); }
 class CheckerFixture : public ::testing::Test {
  protected:
   /// As in the paper, whatever touches until the horizon stops the robot, and nothing holds until
-  /// it is reset.
+  /// it is reset. Primitives are padded by 40 mm.
   CheckerFixture() {
+    config_.pose.collision_use.expansion.padding_m = 0.04;
     config_.way.stop_time_s = config_.way.horizon_s;
     config_.way.reaction_time_s = 0.0;
     config_.permission.hold_until_reset = false;
