@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kSpacing = 0.01;    // [m] between the points that clearances are measured from
 constexpr double kAlong = 0.01;      // [m] of the path between the places that the arm comes to
+constexpr double kGrazing = 0.001;   // [m] of it: a contact at the arm's side may be as short
 constexpr double kExactly = 0.0001;  // [m] to which the place of the contact is found
 constexpr double kStep_s = 0.001;    // of the simulator, which brakes from step to step
 constexpr double kSupport = 0.03;    // [m] of height within which returns support each other
@@ -199,9 +200,9 @@ void StoppingTrial::findContact(double from_m) {
   contact_m_ = std::numeric_limits<double>::infinity();
   const auto touches = [this](double way) { return exactlyTouch(armAt(way), obstacle_); };
   double far = from_m;
-  while (far < path_.length() && !touches(far)) far += kAlong;
+  while (far < path_.length() && !touches(far)) far += kGrazing;
   if (far >= path_.length()) return;
-  double near = std::max(from_m, far - kAlong);
+  double near = std::max(from_m, far - kGrazing);
   while (far - near > kExactly) {
     const double middle = 0.5 * (near + far);
     (touches(middle) ? far : near) = middle;
