@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "support/near.h"
@@ -146,6 +147,25 @@ TEST(PosePathTest, AClearedPathStartsAnewAlsoAtAnEarlierTime) {
   EXPECT_FALSE(path.at(atSeconds(5.5)));
   ASSERT_TRUE(path.add(atSeconds(1.0), turnedAboutZ(0.3, Vector3::UnitY())));
   EXPECT_TRUE(isNearly(*path.at(atSeconds(1.0)), turnedAboutZ(0.3, Vector3::UnitY()), 0.0));
+}
+
+TEST(PoseTest, NoPointWithinTheRadiusIsDisplacedByMore) {
+  Random random(4);
+  double closest = 1.0;
+  for (int i = 0; i < 2000; ++i) {
+    const Pose from = random.pose(1.0), to = random.pose(1.0);
+    const double radius = random.uniform(0.0, 0.5);
+    const double most = displacement(from, to, radius);
+    const Vector3 p =
+        radius * random.pointIn({Vector3::Constant(-1.0), Vector3::Ones()}).normalized();
+    const double moved = (to * p - from * p).norm();
+    ASSERT_LE(moved, most + 1e-9);
+    closest = std::min(closest, most - moved);
+  }
+  EXPECT_LT(closest, 0.05) << "and the bound is of use";
+  EXPECT_NEAR(
+      displacement(turnedAboutZ(0.0, {0.0, 0.0, 0.0}), turnedAboutZ(0.5, {0.3, 0.0, 0.4}), 0.2),
+      0.5 + 0.5 * 0.2, 1e-9);
 }
 
 }  // namespace
