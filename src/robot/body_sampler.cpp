@@ -10,6 +10,7 @@ namespace tccm {
 void BodySampler::Config::validate() const {
   joints.validate();
   filtered.validate(kSelfFilterKeys);
+  requireInRange("self_filter_attached_padding_m", attached_padding_m, 0.0, 1.0);
   requireInRange("self_filter_lateness_s", lateness_s, 0.0, 1.0);
   requireInRange("body_sample_s", sample_s, 1e-4, 1.0);
 }
@@ -33,7 +34,9 @@ void BodySampler::setModel(std::shared_ptr<const RobotModel> model) {
     const Expansion& expansion = used_.expansions[i];
     body_.shapes.push_back(
         expanded(model_->shapes()[used_.shapes[i]].shape, Expansion{expansion.scale, 0.0}));
-    body_.paddings_m.push_back(expansion.padding_m);
+    const bool is_held = !model_->shapes()[used_.shapes[i]].object.empty();
+    body_.paddings_m.push_back(
+        std::max(expansion.padding_m, is_held ? config_.attached_padding_m : 0.0));
     radii_m_.push_back(boundingRadius(body_.shapes.back()));
   }
   body_.poses.resize(body_.shapes.size(), Pose::Identity());

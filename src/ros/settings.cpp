@@ -164,6 +164,7 @@ AssemblerSettings readAssemblerSettings(Parameters& parameters) {
   parameters.read("self_filter_range_tolerance_m", settings.assembler.body.range_tolerance_m);
   parameters.read("self_filter_grazing_m", settings.assembler.body.grazing_m);
   parameters.read("self_filter_shadow_depth_m", settings.assembler.body.shadow_depth_m);
+  parameters.read("self_filter_attached_padding_m", settings.body.attached_padding_m);
   parameters.read("self_filter_lateness_s", settings.body.lateness_s);
   parameters.read("body_sample_s", settings.body.sample_s);
   read(parameters, settings.body.joints);

@@ -104,7 +104,8 @@ TEST_F(BodySamplerTest, WhatIsHeldIsFilteredOutFromTheNextSampleOn) {
   const Body& body = sampler_.samples().front().body;
   ASSERT_EQ(body.shapes.size(), 3U);
   EXPECT_TRUE(test::isNearly(Vector3(body.poses[2].translation()), Vector3(0.14, 0.0, 0.62), 1e-9));
-  EXPECT_EQ(body.paddings_m[2], 0.025);
+  EXPECT_EQ(body.paddings_m[2], 0.06) << "it is known less well than the hand";
+  EXPECT_EQ(body.paddings_m[0], 0.025);
 }
 
 TEST(BodySamplerUseTest, PaddingsGrowWithTheSpeedOfWhatMayBeLate) {

@@ -87,6 +87,7 @@ TEST(SettingsTest, TheDefaultFileHoldsTheDefaults) {
             none.assembler.body.filtered.expansion.scale);
   EXPECT_EQ(file.assembler.body.filtered.expansion.padding_m,
             none.assembler.body.filtered.expansion.padding_m);
+  EXPECT_EQ(file.assembler.body.attached_padding_m, none.assembler.body.attached_padding_m);
   EXPECT_EQ(file.assembler.body.lateness_s, none.assembler.body.lateness_s);
   EXPECT_EQ(file.assembler.assembler.body.range_tolerance_m,
             none.assembler.assembler.body.range_tolerance_m);
@@ -196,23 +197,22 @@ TEST_P(AssemblerRefusalTest, NamesItsKey) {
 }
 INSTANTIATE_TEST_SUITE_P(
     OutOfRange, AssemblerRefusalTest,
-    ::testing::Values(Refused{"fixed_frame", "''"}, Refused{"fixed_frame", "/"},
-                      Refused{"scan_beams_max", "0"}, Refused{"mixed_pixel_separation_m", "-0.1"},
-                      Refused{"self_filter_padding_m", "-0.1"},
-                      Refused{"self_filter_range_tolerance_m", "-0.1"},
-                      Refused{"self_filter_lateness_s", "-0.1"},
-                      Refused{"self_filter_grazing_m", "-0.1"},
-                      Refused{"self_filter_shadow_depth_m", ".nan"}, Refused{"body_sample_s", "0"},
-                      Refused{"joint_gap_max_s", "0"}, Refused{"joint_velocity_baseline_s", "-1"},
-                      Refused{"joint_samples_max", "0"}, Refused{"transform_gap_max_s", "0"},
-                      Refused{"transform_sample_s", "0"}, Refused{"transform_wait_max_s", ".inf"},
-                      Refused{"self_filter", "perhaps"}, Refused{"self_filter_links", "{a: 8}"},
-                      Refused{"self_filter_scale", "0.9"},
-                      Refused{"self_filter_exceptions", "[{links: [a]}]"},
-                      Refused{"self_filter_exceptions", "[{padding_m: 0.1}]"},
-                      Refused{"self_filter_exceptions", "[{links: [a], padding_m: -0.1}]"},
-                      Refused{"self_filter_exceptions", "[{links: [a], pading_m: 0.1}]"},
-                      Refused{"self_filter_exceptions", "[7]"}));
+    ::testing::Values(
+        Refused{"fixed_frame", "''"}, Refused{"fixed_frame", "/"}, Refused{"scan_beams_max", "0"},
+        Refused{"mixed_pixel_separation_m", "-0.1"}, Refused{"self_filter_padding_m", "-0.1"},
+        Refused{"self_filter_range_tolerance_m", "-0.1"},
+        Refused{"self_filter_attached_padding_m", "-0.1"},
+        Refused{"self_filter_lateness_s", "-0.1"}, Refused{"self_filter_grazing_m", "-0.1"},
+        Refused{"self_filter_shadow_depth_m", ".nan"}, Refused{"body_sample_s", "0"},
+        Refused{"joint_gap_max_s", "0"}, Refused{"joint_velocity_baseline_s", "-1"},
+        Refused{"joint_samples_max", "0"}, Refused{"transform_gap_max_s", "0"},
+        Refused{"transform_sample_s", "0"}, Refused{"transform_wait_max_s", ".inf"},
+        Refused{"self_filter", "perhaps"}, Refused{"self_filter_links", "{a: 8}"},
+        Refused{"self_filter_scale", "0.9"}, Refused{"self_filter_exceptions", "[{links: [a]}]"},
+        Refused{"self_filter_exceptions", "[{padding_m: 0.1}]"},
+        Refused{"self_filter_exceptions", "[{links: [a], padding_m: -0.1}]"},
+        Refused{"self_filter_exceptions", "[{links: [a], pading_m: 0.1}]"},
+        Refused{"self_filter_exceptions", "[7]"}));
 
 class RobotRefusalTest : public ::testing::TestWithParam<Refused> {};
 TEST_P(RobotRefusalTest, NamesItsKey) {

@@ -19,6 +19,8 @@ class BodySampler {
     /// What is filtered out. Its padding is how near to a beam the body may be for the beam to have
     /// met it: the error of the body model and of its place.
     LinkUse filtered{Expansion{1.0, 0.025}};
+    /// At least this for objects in the robot's hand, whose shape and place are known less well.
+    double attached_padding_m = 0.06;
     /// Joint states may be so late: paddings grow by it times the primitive's speed.
     double lateness_s = 0.02;
     /// Time between two samples. Half of it at a hand's speed is the error of its place.
