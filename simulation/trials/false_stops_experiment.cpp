@@ -29,14 +29,12 @@ struct FalseStopsOptions {
 void declare(CLI::App& command, FalseStopsOptions& options) {
   Simulator::Config& simulator = options.trial.simulator;
   command.footer(
-      "An arm stretches over a table, or before a shelf with a drawer, as low as its clearance "
-      "and\n"
-      "allows; or both arms move at random (wander). They keep clear of everything, also where "
-      "they\n"
-      "would be half a second later: a permission that goes for a contact goes for nothing. The\n"
-      "arms stop and slow down as they are told. Speeds and scenes take turns; every motion has a\n"
-      "path, to and fro, a phase of the tilt and a body of its own, each of whose parts is\n"
-      "displaced.\n"
+      "An arm stretches over a table, or before a shelf with a drawer, as low as its clearance\n"
+      "and its reach allow; or both arms move at random (wander). They keep clear of everything,\n"
+      "also where they would be half a second later: a permission that goes for a contact goes\n"
+      "for nothing. The arms stop and slow down as they are told. Speeds and scenes take turns;\n"
+      "every motion has a path, to and fro, a phase of the tilt and a body of its own, each of\n"
+      "whose parts is displaced.\n"
       "Limit: no false stop at a noise of up to 10 mm.");
   command.option_defaults()->always_capture_default();
   command.add_option("--motion", options.motion)->check(CLI::IsMember({kStretching, kWander}));

@@ -6,6 +6,13 @@
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
+namespace {
+
+/// [m] that a padding grows by at most for its primitive's speed: joint states that jump must not
+/// make the filter take the surroundings for the robot.
+constexpr double kGrowthMax = 0.05;
+
+}  // namespace
 
 void BodySampler::Config::validate() const {
   joints.validate();
@@ -80,7 +87,7 @@ void BodySampler::growBySpeed() {
     const double late = config_.lateness_s / toSeconds(sample.stamp - before.stamp);
     for (std::size_t k = 0; k < radii_m_.size(); ++k) {
       const double moved = displacement(before.body.poses[k], sample.body.poses[k], radii_m_[k]);
-      sample.body.paddings_m[k] = body_.paddings_m[k] + late * moved;
+      sample.body.paddings_m[k] = body_.paddings_m[k] + std::min(late * moved, kGrowthMax);
     }
   }
   if (samples_.size() > 1) samples_.front().body.paddings_m = samples_[1].body.paddings_m;

@@ -127,6 +127,17 @@ TEST(BodySamplerUseTest, PaddingsGrowWithTheSpeedOfWhatMayBeLate) {
   EXPECT_EQ(sampler.samples().front().body.paddings_m[1], 0.025) << "one instant tells no speed";
 }
 
+TEST(BodySamplerUseTest, JointStatesThatJumpGrowNoPaddingByMoreThanItsLimit) {
+  BodySampler sampler(test::sliderModel(), BodySampler::Config{});
+  sampler.joints().add(at(1.0), {"slide", "glide"}, {0.0, 0.0}, {});
+  sampler.joints().add(at(1.02), {"slide", "glide"}, {0.0, 0.9}, {});
+  PosePath root;
+  root.add(at(0.9), Pose::Identity());
+  root.add(at(1.1), Pose::Identity());
+  ASSERT_EQ(sampler.sample(at(1.0), at(1.02), {root}), "");
+  EXPECT_NEAR(sampler.samples().back().body.paddings_m[1], 0.025 + 0.05, 1e-9);
+}
+
 /// A base and a trailer, each on a path of its own.
 class TwoRootsTest : public ::testing::Test {
  protected:

@@ -32,9 +32,8 @@ class BodyFilter {
   explicit BodyFilter(const Config& config);
 
   /// Turns returns into kSelf, where they lie within a shape's padding, or on a beam through it and
-  /// within the range tolerance, or kShadow. Each beam is
-  /// compared with the sample nearest to it in time. A primitive that contains the sensor (a
-  /// laser's housing) casts no shadow.
+  /// within the range tolerance, or kShadow. Each beam is compared with the sample nearest to it in
+  /// time. A primitive that contains the sensor (a laser's housing) casts no shadow.
   /// @param samples at rising instants; empty leaves the scan as it is.
   void apply(const std::vector<BodySample>& samples, AssembledScan& scan) const;
 
