@@ -18,6 +18,7 @@ void Mapper::Config::validate() const {
   looks.validate();
   requireInRange("hold_s", hold_s, 0.0, 600.0);
   requireInRange("hold_look_angle_rad", hold_look_angle_rad, 0.005, 0.2);
+  requireInRange("hold_outline_rad", hold_outline_rad, 0.0, 0.2);
   requireInRange("hold_look_short_m", hold_look_short_m, 0.0, 1.0);
   requireInRange("held_max", static_cast<double>(held_max), 1.0, 1e7);
   if (window_scans > 0 && window_s > 0.0) {
@@ -29,7 +30,7 @@ Mapper::Mapper(const Config& config)
     : config_((config.validate(), config)),
       map_(config.map),
       looks_(config.looks),
-      newest_looks_(config.hold_look_angle_rad),
+      newest_looks_(config.hold_look_angle_rad, config.hold_outline_rad),
       held_(map_.grid().cells(), config.hold_s > 0.0 ? config.held_max : 0),
       ages_(map_),
       viewpoints_(config.map.scans_max + 1, Vector3::Zero()),
@@ -52,7 +53,7 @@ Mapper::Outcome Mapper::add(const ScanReturns& scan) {
   viewpointOf(map_.serial()) = scan.viewpoint;
   looks_.add(scan.stamp, scan.looks);
   if (config_.hold_s > 0.0) {
-    newest_looks_.add(map_.serial(), scan.looks);
+    newest_looks_.add(map_.serial(), scan.looks, static_cast<std::uint32_t>(map_.scans()));
     release(scan);
   }
   expire();
@@ -127,7 +128,7 @@ void Mapper::expireOldest() {
     const Vector3& viewpoint = viewpointOf(interval.serial);
     const Vector3 place = placeOf(interval.cell, interval.heights);
     if (newest_looks_.sawSince(interval.serial, place, viewpoint, config_.hold_look_short_m) ||
-        looks_.image().inViewSince(seen, place, config_.hold_look_short_m)) {
+        looks_.image().inViewSince(seen, place, -config_.hold_look_short_m)) {
       return;
     }
     const std::uint32_t points = std::max(1U, map_.pointsIn(interval.cell, interval.heights));
@@ -171,7 +172,7 @@ void Mapper::release(const ScanReturns& scan) {
     const Vector3 place = placeOf(held.cell, held.heights);
     return scan.stamp - held.since > longest ||
            newest_looks_.sawLast(place, scan.viewpoint, config_.hold_look_short_m) ||
-           looks_.image().inViewSince(held.seen, place, config_.hold_look_short_m);
+           looks_.image().inViewSince(held.seen, place, -config_.hold_look_short_m);
   });
 }
 

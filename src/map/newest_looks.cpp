@@ -6,8 +6,9 @@
 namespace tccm {
 namespace {
 
-constexpr double kNearest = 1e-3;  // [m]; what is this near has no direction
-constexpr double kSwing = 0.02;    // [m] that a sensor's origin moves at most within a scan
+constexpr double kNearest = 1e-3;         // [m]; what is this near has no direction
+constexpr std::uint32_t kNeighbours = 3;  // scans before one that pass beside it
+constexpr double kSwing = 0.02;           // [m] that a sensor's origin moves at most within a scan
 
 bool isAfter(std::uint32_t serial, std::uint32_t other) {
   return static_cast<std::int32_t>(serial - other) > 0;  // they may wrap
@@ -15,16 +16,46 @@ bool isAfter(std::uint32_t serial, std::uint32_t other) {
 
 }  // namespace
 
-NewestLooks::NewestLooks(double angle_rad)
-    : grid_(angle_rad), angle_(angle_rad), cosine_(std::cos(angle_rad)), lines_(grid_.pixels()) {
-  for (int row = 0; row < grid_.rows(); ++row) {
-    columns_within_.push_back(grid_.columnsWithin(row, angle_rad));
-  }
-}
+NewestLooks::NewestLooks(double angle_rad, double outline_rad)
+    : grid_(angle_rad),
+      angle_(angle_rad),
+      cosine_(std::cos(angle_rad)),
+      looking_(around(angle_rad, 1)),
+      beside_(around(outline_rad, static_cast<int>(std::ceil(outline_rad / grid_.resolution())))),
+      lines_(grid_.pixels()),
+      outlines_(grid_.pixels()) {}
 
 void NewestLooks::clear() {
   std::fill(lines_.begin(), lines_.end(), Line());
+  std::fill(outlines_.begin(), outlines_.end(), Outline());
   band_ = 1.0;
+}
+
+std::size_t NewestLooks::memoryBytes() const {
+  return lines_.capacity() * sizeof(Line) + outlines_.capacity() * sizeof(Outline);
+}
+
+NewestLooks::Around NewestLooks::around(double angle_rad, int rows) const {
+  Around around;
+  around.rows = rows;
+  for (int row = 0; row < grid_.rows(); ++row) {
+    around.columns.push_back(grid_.columnsWithin(row, angle_rad));
+  }
+  return around;
+}
+
+template <typename Visit>
+bool NewestLooks::visitAround(std::size_t pixel, const Around& around, Visit&& visit) const {
+  const int middle_row = grid_.rowOfPixel(pixel);
+  const int middle = static_cast<int>(pixel) - middle_row * grid_.columns();
+  const int last = std::min(grid_.rows() - 1, middle_row + around.rows);
+  for (int row = std::max(0, middle_row - around.rows); row <= last; ++row) {
+    const int reach = around.columns[static_cast<std::size_t>(row)];
+    for (int c = middle - reach; c <= middle + reach; ++c) {
+      if (visit(grid_.index(row, grid_.wrapped(c)))) return true;
+    }
+  }
+  return false;
 }
 
 void NewestLooks::enclose(const std::vector<Look>& looks) {
@@ -44,19 +75,61 @@ void NewestLooks::enclose(const std::vector<Look>& looks) {
   }
 }
 
-void NewestLooks::add(std::uint32_t serial, const std::vector<Look>& looks) {
+void NewestLooks::add(std::uint32_t serial, const std::vector<Look>& looks,
+                      std::uint32_t outline_scans) {
   serial_ = serial;
   enclose(looks);
+  addOutlines(serial, looks);
+  addLines(serial, looks, outline_scans);
+}
+
+/// Neighbouring beams are nearer to each other than pixels: those that follow one another in a
+/// pixel are added as one.
+void NewestLooks::addOutlines(std::uint32_t serial, const std::vector<Look>& looks) {
+  std::size_t pixel = grid_.pixels();
+  float nearest = kNone;
+  for (const Look& look : looks) {
+    if (look.what != Look::End::kRobot) continue;
+    const Vector3 sight = look.end - look.viewpoint;
+    const double distance = sight.norm();
+    if (!(distance > kNearest)) continue;  // NaN, too
+    const std::size_t own = grid_.pixelOf(sight);
+    if (own != pixel) {
+      if (nearest != kNone) addOutline(pixel, nearest, serial);
+      pixel = own;
+      nearest = kNone;
+    }
+    nearest = std::min(nearest, static_cast<float>(distance));
+  }
+  if (nearest != kNone) addOutline(pixel, nearest, serial);
+}
+
+void NewestLooks::addOutline(std::size_t pixel, float distance, std::uint32_t serial) {
+  visitAround(pixel, beside_, [&](std::size_t beside) {
+    Outline& outline = outlines_[beside];
+    if (outline.serial != serial || distance < outline.distance) outline = {distance, serial};
+    // The scan lines just before passed as near by.
+    Line& line = lines_[beside];
+    if (serial - line.serial <= kNeighbours) line.outline = std::min(line.outline, distance);
+    return false;
+  });
+}
+
+void NewestLooks::addLines(std::uint32_t serial, const std::vector<Look>& looks,
+                           std::uint32_t outline_scans) {
   for (const Look& look : looks) {
     if (look.what == Look::End::kRobot || look.what == Look::End::kUnclear) continue;
     const Vector3 sight = look.end - look.viewpoint;
     const double range = sight.norm();
     if (!(range > kNearest)) continue;  // NaN, too
-    Line& line = lines_[grid_.pixelOf(sight)];
+    const std::size_t pixel = grid_.pixelOf(sight);
+    Line& line = lines_[pixel];
     // Of one scan the look that saw the farthest.
     if (line.serial == serial && line.range >= static_cast<float>(range)) continue;
+    const Outline& outline = outlines_[pixel];
+    const bool stands = outline.serial != 0 && serial - outline.serial <= outline_scans;
     line = {look.viewpoint.cast<float>(), (sight / range).cast<float>(), static_cast<float>(range),
-            serial};
+            serial, stands ? outline.distance : kNone};
   }
 }
 
@@ -64,24 +137,15 @@ bool NewestLooks::sawSince(std::uint32_t serial, const Vector3& p_fixed, const V
                            double short_m) const {
   const Vector3 sight = p_fixed - viewpoint;
   if (!(sight.squaredNorm() > kNearest * kNearest)) return false;
-  const std::size_t pixel = grid_.pixelOf(sight);
-  const int middle_row = grid_.rowOfPixel(pixel);
-  const int middle = static_cast<int>(pixel) - middle_row * grid_.columns();
-  const int last = std::min(grid_.rows() - 1, middle_row + 1);
-  for (int row = std::max(0, middle_row - 1); row <= last; ++row) {
-    const int reach = columns_within_[static_cast<std::size_t>(row)];
-    for (int c = middle - reach; c <= middle + reach; ++c) {
-      const Line& line = lines_[grid_.index(row, grid_.wrapped(c))];
-      if (line.range < 0.0F || !isAfter(line.serial, serial)) continue;
-      const Eigen::Vector3f to_place = p_fixed.cast<float>() - line.viewpoint;
-      const double along = static_cast<double>(to_place.dot(line.direction));
-      const double distance = static_cast<double>(to_place.norm());
-      if (along >= cosine_ * distance && static_cast<double>(line.range) >= distance - short_m) {
-        return true;
-      }
-    }
-  }
-  return false;
+  return visitAround(grid_.pixelOf(sight), looking_, [&](std::size_t pixel) {
+    const Line& line = lines_[pixel];
+    if (line.range < 0.0F || !isAfter(line.serial, serial)) return false;
+    const Eigen::Vector3f to_place = p_fixed.cast<float>() - line.viewpoint;
+    const double along = static_cast<double>(to_place.dot(line.direction));
+    const double distance = static_cast<double>(to_place.norm());
+    return along >= cosine_ * distance && static_cast<double>(line.range) >= distance - short_m &&
+           static_cast<double>(line.outline) > distance;
+  });
 }
 
 bool NewestLooks::sawLast(const Vector3& p_fixed, const Vector3& viewpoint, double short_m) const {

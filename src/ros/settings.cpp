@@ -203,6 +203,7 @@ MapperSettings readMapperSettings(Parameters& parameters) {
   parameters.read("look_pass_gap_s", mapper.looks.pass_gap_s);
   parameters.read("hold_s", mapper.hold_s);
   parameters.read("hold_look_angle_rad", mapper.hold_look_angle_rad);
+  parameters.read("hold_outline_rad", mapper.hold_outline_rad);
   parameters.read("hold_look_short_m", mapper.hold_look_short_m);
   parameters.read("held_max", mapper.held_max);
   parameters.read("marker_rate_hz", settings.marker_rate_hz);

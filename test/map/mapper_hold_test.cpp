@@ -124,6 +124,24 @@ TEST(MapperHoldTest, ALookThatEndsOnTheRobotOrBeforeThePlaceLeavesItHeld) {
   }
 }
 
+/// A thin neck half behind the robot's hand: scan lines pass just below what the hand hides of it.
+TEST(MapperHoldTest, WhatIsNextToTheRobotsOutlineStaysHeldWhenALookEndsJustBesideIt) {
+  const Vector3 hidden = kPlace + Vector3(0.0, 0.0, 0.015);
+  const Vector3 below = kPlace - Vector3(0.0, 0.0, 0.01);
+  const Look hand = past(kPlace + Vector3(0.0, 0.0, 0.03), 0.8, Look::End::kRobot);
+  Feed feed;
+  feed.scan({to(hidden)});
+  feed.scan({hand, to(below)});
+  feed.scan({hand}, kWindow);
+  EXPECT_EQ(feed.held(), 2U);
+  feed.scan({hand, to(below)});
+  EXPECT_EQ(feed.held(), 1U) << "of what the look ended on nothing is held";
+  EXPECT_EQ(feed.live(), 1U);
+  feed.scan({}, kWindow + 1);
+  feed.scan({past(below, 1.5, Look::End::kNothing), past(hidden, 1.5, Look::End::kNothing)});
+  EXPECT_EQ(feed.held(), 0U) << "the hand has left";
+}
+
 TEST(MapperHoldTest, AHeldIntervalIsLetGoOfOnceItsPlaceIsSeenAgain) {
   for (const Look& look : {past(kPlace, 1.5, Look::End::kNothing), past(kPlace, 1.1), to(kPlace),
                            past(kPlace, 0.97)}) {

@@ -45,12 +45,15 @@ class Mapper {
     /// is played again: the map starts over.
     double time_jump_back_s = 0.1;
     LookMap::Config looks;
-    /// What leaves the window is held for so long at most, unless its place is looked at, or comes
-    /// into view with all around it; 0: what leaves the window is gone.
+    /// What leaves the window is held for so long at most, unless its place is looked at, or looked
+    /// through in its direction and all around it; 0: what leaves the window is gone.
     double hold_s = 10.0;
     double hold_look_angle_rad = 0.0175;  ///< a look within it of a place looks at the place
-    double hold_look_short_m = 0.05;      ///< a look that ends this much before saw it all the same
-    std::size_t held_max = 20000;         ///< intervals
+    /// But not where the robot, nearer than the place, was looked at within this angle of the look:
+    /// at least what neighbouring scans are apart.
+    double hold_outline_rad = 0.04;
+    double hold_look_short_m = 0.05;  ///< a look that ends this much before saw it all the same
+    std::size_t held_max = 20000;     ///< intervals
 
     /// @throws ConfigError
     void validate() const;
