@@ -11,19 +11,56 @@ std::uint32_t older(std::uint32_t a, std::uint32_t b, std::uint32_t newest) {
   return newest - a > newest - b ? a : b;
 }
 
+/// So that slots of serials stay apart when these wrap.
+std::uint32_t powerOfTwo(std::size_t at_least) {
+  std::uint32_t power = 1;
+  while (power < at_least) power *= 2;
+  return power;
+}
+
 }  // namespace
 
-Columns::Columns(CellIndex cells, std::size_t intervals_max)
-    : first_(cells, kNone), pool_(intervals_max) {
+Columns::Columns(CellIndex cells, std::size_t intervals_max, std::size_t scans_max)
+    : first_(cells, kNone),
+      intervals_max_(intervals_max),
+      scans_mask_(powerOfTwo(scans_max) - 1),
+      pool_(intervals_max + scans_mask_ + 1) {
   clear();
 }
 
 void Columns::clear() {
   std::fill(first_.begin(), first_.end(), kNone);
-  const auto size = static_cast<std::uint32_t>(pool_.size());
+  const auto size = static_cast<std::uint32_t>(intervals_max_);
   for (std::uint32_t i = 0; i < size; ++i) pool_[i].next = i + 1 < size ? i + 1 : kNone;
+  for (std::uint32_t i = size; i < pool_.size(); ++i) {
+    pool_[i].owned_next = pool_[i].owned_previous = i;
+  }
   free_ = size > 0 ? 0 : kNone;
   used_ = 0;
+}
+
+void Columns::joinOwner(std::uint32_t index) {
+  Interval& interval = pool_[index];
+  const std::uint32_t anchor = anchorOf(interval.serial);
+  const std::uint32_t last = pool_[anchor].owned_previous;
+  interval.owned_previous = last;
+  interval.owned_next = anchor;
+  pool_[last].owned_next = index;
+  pool_[anchor].owned_previous = index;
+}
+
+void Columns::leaveOwner(std::uint32_t index) {
+  const Interval& interval = pool_[index];
+  pool_[interval.owned_previous].owned_next = interval.owned_next;
+  pool_[interval.owned_next].owned_previous = interval.owned_previous;
+}
+
+void Columns::link(CellIndex cell, std::uint32_t previous, std::uint32_t index,
+                   std::uint32_t next) {
+  (previous == kNone ? first_[cell] : pool_[previous].next) = index;
+  if (next != kNone) pool_[next].previous = index;
+  pool_[index].previous = previous;
+  pool_[index].next = next;
 }
 
 std::uint32_t Columns::take(const Interval& interval) {
@@ -31,6 +68,8 @@ std::uint32_t Columns::take(const Interval& interval) {
   const std::uint32_t index = free_;
   free_ = pool_[index].next;
   pool_[index] = interval;
+  joinOwner(index);
+  link(interval.cell, interval.previous, index, interval.next);
   ++used_;
   return index;
 }
@@ -38,13 +77,21 @@ std::uint32_t Columns::take(const Interval& interval) {
 bool Columns::insert(CellIndex cell, Height bottom, Height top, std::uint32_t serial) {
   assert(bottom < top);
   // One interval of its own, and one more where it splits another in two.
-  if (used_ + 2 > pool_.size()) return false;
-  Interval added{bottom, top, serial, serial, kNone};
-  std::uint32_t* link = &first_[cell];
-  while (*link != kNone && pool_[*link].top < bottom) link = &pool_[*link].next;
+  if (used_ + 2 > intervals_max_) return false;
+  Interval added{};
+  added.bottom = bottom;
+  added.top = top;
+  added.serial = added.born = serial;
+  added.cell = cell;
+  added.previous = kNone;
+  std::uint32_t next = first_[cell];
+  while (next != kNone && pool_[next].top < bottom) {
+    added.previous = next;
+    next = pool_[next].next;
+  }
   std::uint32_t reused = kNone;
-  while (*link != kNone && pool_[*link].bottom <= top) {
-    Interval& other = pool_[*link];
+  while (next != kNone && pool_[next].bottom <= top) {
+    Interval& other = pool_[next];
     // Beams side by side see the same surface: most returns change nothing.
     if (other.serial == serial && other.bottom <= bottom && other.top >= top) return true;
     const bool overlaps = other.bottom < top && other.top > bottom;
@@ -54,48 +101,62 @@ bool Columns::insert(CellIndex cell, Height bottom, Height top, std::uint32_t se
       added.top = std::max(added.top, other.top);
       added.born = older(added.born, other.born, serial);
     } else if (!overlaps && other.top <= bottom) {  // touches from below
-      link = &other.next;
+      added.previous = next;
+      next = other.next;
       continue;
     } else if (!overlaps) {  // touches from above
       break;
     } else if (other.bottom < bottom && other.top > top) {
-      const Interval above{top, other.top, other.serial, other.born, other.next};
-      other.top = bottom;
+      Interval above = other;
+      above.bottom = top;
+      other.top = bottom;  // `other` stays valid: the pool never grows
+      above.previous = next;
+      added.previous = next;
       added.next = take(above);
-      other.next = take(added);  // `other` stays valid: the pool never grows
+      take(added);
       return true;
     } else if (other.bottom < bottom) {
       other.top = bottom;
-      link = &other.next;
+      added.previous = next;
+      next = other.next;
       continue;
     } else if (other.top > top) {
       other.bottom = top;
       break;
     }
-    const std::uint32_t covered = *link;
-    *link = other.next;
+    const std::uint32_t covered = next;
+    next = other.next;
+    leaveOwner(covered);
     if (reused == kNone) {
       reused = covered;
     } else {
       release(covered);
     }
   }
-  added.next = *link;
+  added.next = next;
   if (reused == kNone) {
-    *link = take(added);
+    take(added);
   } else {
     pool_[reused] = added;
-    *link = reused;
+    joinOwner(reused);
+    link(cell, added.previous, reused, next);
   }
   return true;
+}
+
+void Columns::give(std::uint32_t index, std::uint32_t serial) {
+  leaveOwner(index);
+  pool_[index].serial = serial;
+  joinOwner(index);
 }
 
 bool Columns::split(std::uint32_t index, Height at) {
   if (free_ == kNone) return false;
   Interval above = pool_[index];
   above.bottom = at;
+  above.previous = index;
   pool_[index].top = at;
-  pool_[index].next = take(above);
+  take(above);
   return true;
 }
 
@@ -107,7 +168,8 @@ bool Columns::uniteWithNext(std::uint32_t index) {
   const bool alike = other.serial == interval.serial && other.born == interval.born;
   if (!alike || other.bottom != interval.top) return false;
   interval.top = other.top;
-  interval.next = other.next;
+  unlink(above);
+  leaveOwner(above);
   release(above);
   return true;
 }
@@ -117,7 +179,7 @@ Columns::Heights Columns::disown(CellIndex cell, Heights heights, std::uint32_t 
   for (std::uint32_t i = first_[cell]; i != kNone && pool_[i].bottom < heights.top;
        i = pool_[i].next) {
     if (pool_[i].top <= heights.bottom) continue;
-    pool_[i].serial = nobody;
+    give(i, nobody);
     disowned.bottom = std::min(disowned.bottom, pool_[i].bottom);
     disowned.top = std::max(disowned.top, pool_[i].top);
   }
@@ -142,7 +204,7 @@ bool Columns::claim(CellIndex cell, Heights heights, std::uint32_t serial, std::
       }
     }
     if (pool_[i].top > heights.top && !split(i, heights.top)) exact = false;
-    pool_[i].serial = serial;
+    give(i, serial);
     // A scan's returns side by side claim one interval, not one each: the pool is bounded.
     uniteWithNext(i);
     if (below != kNone && uniteWithNext(below)) i = below;

@@ -31,7 +31,7 @@ IntegrationMap::IntegrationMap(const Config& config)
     : config_((config.validate(), config)),
       grid_(config.grid),
       thickness_(grid_.heightOf(config.thickness_m)),
-      columns_(grid_.cells(), config.intervals_max),
+      columns_(grid_.cells(), config.intervals_max, config.scans_max + 2),
       // Layers as thick as a return: returns of two cuboids never share one.
       counts_(grid_, thickness_),
       ring_(config.scans_max, config.returns_max),
@@ -154,9 +154,7 @@ void IntegrationMap::restoreColumns() {
     if (seen.top <= lost.bottom || seen.bottom >= lost.top) return;
     if (!columns_.claim(entry.cell, seen, serial, nobody)) overflow_serial_ = serial_;
   });
-  for (CellIndex cell = 0; cell < grid_.cells(); ++cell) {
-    if (losses_[cell].heights.bottom < losses_[cell].heights.top) columns_.expire(cell, nobody);
-  }
+  columns_.expire(nobody);
 }
 
 Columns::Heights IntegrationMap::occupiedBy(const MappedReturn& entry) const {

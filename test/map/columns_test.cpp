@@ -12,6 +12,8 @@
 namespace tccm {
 namespace {
 
+constexpr std::size_t kScans = 30;
+
 /// bottom, top, serial, born
 using Piece = std::tuple<int, int, std::uint32_t, std::uint32_t>;
 
@@ -26,7 +28,7 @@ std::vector<Piece> piecesOf(const Columns& columns, CellIndex cell = 0) {
 
 /// Inserts [bottom, top, serial] in turn into cell 0.
 std::vector<Piece> afterInserting(std::initializer_list<std::array<int, 3>> inserts) {
-  Columns columns(1, 100);
+  Columns columns(1, 100, kScans);
   for (const auto& [bottom, top, serial] : inserts) {
     EXPECT_TRUE(columns.insert(0, static_cast<Height>(bottom), static_cast<Height>(top),
                                static_cast<std::uint32_t>(serial)));
@@ -73,7 +75,7 @@ TEST(ColumnsTest, TheEarliestBirthOfAllThatIsOverlappedIsInherited) {
 }
 
 TEST(ColumnsTest, SerialsMayWrap) {
-  Columns columns(1, 10);
+  Columns columns(1, 10, kScans);
   ASSERT_TRUE(columns.insert(0, 0, 20, 0xFFFFFFFEU));
   ASSERT_TRUE(columns.insert(0, 10, 30, 2U));
   EXPECT_EQ(piecesOf(columns),
@@ -81,30 +83,30 @@ TEST(ColumnsTest, SerialsMayWrap) {
 }
 
 TEST(ColumnsTest, ExpiryRemovesWhatTheScanStillOwns) {
-  Columns columns(2, 10);
+  Columns columns(2, 10, kScans);
   ASSERT_TRUE(columns.insert(0, 0, 50, 1));
   ASSERT_TRUE(columns.insert(1, 0, 50, 1));
   ASSERT_TRUE(columns.insert(0, 10, 30, 2));
-  columns.expire(0, 1);
+  columns.expire(1);
   EXPECT_EQ(piecesOf(columns), (Pieces{{10, 30, 2, 1}}));
-  EXPECT_EQ(piecesOf(columns, 1), (Pieces{{0, 50, 1, 1}}));
-  EXPECT_EQ(columns.used(), 2U);
+  EXPECT_EQ(piecesOf(columns, 1), (Pieces{}));
+  EXPECT_EQ(columns.used(), 1U);
 }
 
 TEST(ColumnsTest, AnInsertThatMightNotFitIsRefusedAndChangesNothing) {
-  Columns columns(1, 3);
+  Columns columns(1, 3, kScans);
   ASSERT_TRUE(columns.insert(0, 0, 10, 1));
   ASSERT_TRUE(columns.insert(0, 20, 30, 1));
   const Pieces before = piecesOf(columns);
   EXPECT_FALSE(columns.insert(0, 40, 50, 1));
   EXPECT_EQ(piecesOf(columns), before);
-  columns.expire(0, 1);
+  columns.expire(1);
   EXPECT_EQ(columns.used(), 0U);
   EXPECT_TRUE(columns.insert(0, 40, 50, 2));
 }
 
 TEST(ColumnsTest, ClearingFreesEverything) {
-  Columns columns(3, 4);
+  Columns columns(3, 4, kScans);
   ASSERT_TRUE(columns.insert(2, 0, 10, 1));
   ASSERT_TRUE(columns.insert(0, 0, 10, 1));
   columns.clear();
@@ -120,7 +122,7 @@ constexpr std::uint32_t kNobody = 9;
 
 /// Cell 0 after [0, 50) of scan 1 and [20, 30) of scan 3.
 Columns carved(std::size_t intervals_max) {
-  Columns columns(1, intervals_max);
+  Columns columns(1, intervals_max, kScans);
   EXPECT_TRUE(columns.insert(0, 0, 50, 1));
   EXPECT_TRUE(columns.insert(0, 20, 30, 3));
   return columns;
@@ -133,7 +135,7 @@ TEST(ColumnsTest, DisowningTakesTheIntervalsThatMeetTheHeightsAndLeavesTheirBirt
   EXPECT_EQ(disowned.top, 30);
   EXPECT_EQ(piecesOf(columns), (Pieces{{0, 20, 1, 1}, {20, 30, kNobody, 1}, {30, 50, 1, 1}}));
   EXPECT_EQ(columns.disown(0, {25, 31}, kNobody).top, 50);
-  columns.expire(0, kNobody);
+  columns.expire(kNobody);
   EXPECT_EQ(piecesOf(columns), (Pieces{{0, 20, 1, 1}}));
   EXPECT_EQ(columns.used(), 1U);
 }
@@ -146,7 +148,7 @@ TEST(ColumnsTest, AClaimGetsWhatIsNobodysAndNothingElse) {
             (Pieces{{0, 20, 1, 1}, {20, 30, 3, 1}, {30, 40, 2, 1}, {40, 50, kNobody, 1}}));
   EXPECT_TRUE(columns.claim(0, {60, 70}, 2, kNobody));
   EXPECT_TRUE(columns.claim(0, {45, 48}, 2, kNobody));
-  columns.expire(0, kNobody);
+  columns.expire(kNobody);
   EXPECT_EQ(piecesOf(columns),
             (Pieces{{0, 20, 1, 1}, {20, 30, 3, 1}, {30, 40, 2, 1}, {45, 48, 2, 1}}));
   EXPECT_EQ(columns.used(), 4U);
@@ -164,23 +166,23 @@ TEST(ColumnsTest, ClaimsOfOneScanThatTouchAreOneIntervalWhereTheirBirthsAreAlike
 }
 
 TEST(ColumnsTest, AClaimWithoutRoomToSplitTakesMoreAndSaysSo) {
-  Columns columns(1, 2);
+  Columns columns(1, 2, kScans);
   ASSERT_TRUE(columns.insert(0, 0, 50, 1));
   (void)columns.disown(0, {0, 50}, kNobody);
   EXPECT_FALSE(columns.claim(0, {10, 30}, 1, kNobody));
   EXPECT_EQ(piecesOf(columns), (Pieces{{0, 10, kNobody, 1}, {10, 50, 1, 1}}));
-  columns.expire(0, kNobody);
-  columns.expire(0, 1);
+  columns.expire(kNobody);
+  columns.expire(1);
   EXPECT_EQ(columns.used(), 0U);
 }
 
 TEST(ColumnsTest, NobodysSerialMayBeTheOneAfterTheWrap) {
-  Columns columns(1, 10);
+  Columns columns(1, 10, kScans);
   ASSERT_TRUE(columns.insert(0, 0, 20, 0xFFFFFFFEU));
   ASSERT_TRUE(columns.insert(0, 10, 30, 0xFFFFFFFFU));
   (void)columns.disown(0, {0, 30}, 0U);
   EXPECT_TRUE(columns.claim(0, {0, 20}, 0xFFFFFFFEU, 0U));
-  columns.expire(0, 0U);
+  columns.expire(0U);
   EXPECT_EQ(piecesOf(columns), (Pieces{{0, 20, 0xFFFFFFFEU, 0xFFFFFFFEU}}));
 }
 
@@ -202,7 +204,7 @@ Owners ownersOf(const Columns& columns) {
 
 TEST(ColumnsTest, RandomInsertsAndExpiriesLeaveEachQuantumWithItsNewestOwner) {
   test::Random random(31);
-  Columns columns(1, 400);
+  Columns columns(1, 400, kScans);
   Owners expected{};
   std::uint32_t oldest = 1;
   for (std::uint32_t serial = 1; serial < 3000; ++serial) {
@@ -213,7 +215,7 @@ TEST(ColumnsTest, RandomInsertsAndExpiriesLeaveEachQuantumWithItsNewestOwner) {
       ASSERT_EQ(ownersOf(columns), expected) << "serial " << serial;
     }
     while (serial - oldest + 1 > static_cast<std::uint32_t>(random.integer(1, 20))) {
-      columns.expire(0, oldest);
+      columns.expire(oldest);
       for (std::uint32_t& owner : expected) {
         if (owner == oldest) owner = 0;
       }

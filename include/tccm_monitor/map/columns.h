@@ -12,15 +12,20 @@ namespace tccm {
 /// still owns is then exactly what has to go when it leaves the window. This replaces the paper's
 /// msnlist and its deformation of stored part maps (section III.C.2) with the same result.
 ///
-/// All intervals live in one pool that is allocated once.
+/// Each scan's intervals form a list of their own, so that a scan leaves at the cost of what it
+/// still owns. All intervals live in one pool that is allocated once.
 class Columns {
  public:
   struct Interval {
     Height bottom;
     Height top;
-    std::uint32_t serial;  ///< of the newest scan that saw it
-    std::uint32_t born;    ///< serial of the scan from which on something was seen here
-    std::uint32_t next;    ///< in the same cell, upwards; kNone at the end
+    std::uint32_t serial;      ///< of the newest scan that saw it
+    std::uint32_t born;        ///< serial of the scan from which on something was seen here
+    std::uint32_t next;        ///< in the same cell, upwards; kNone at the end
+    std::uint32_t previous;    ///< in the same cell, downwards; kNone at the end
+    std::uint32_t owned_next;  ///< of the same scan, in a ring with its anchor
+    std::uint32_t owned_previous;
+    CellIndex cell;
   };
   /// [bottom, top)
   struct Heights {
@@ -29,16 +34,18 @@ class Columns {
   };
   static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
 
-  Columns(CellIndex cells, std::size_t intervals_max);
+  /// @param scans_max serials in use lie within so many of each other, nobody's included.
+  Columns(CellIndex cells, std::size_t intervals_max, std::size_t scans_max);
 
   /// Makes scan `serial` the owner of [bottom, top); what it overlaps hands over its birth.
   /// @return false, with nothing changed, where the pool may run out.
   [[nodiscard]] bool insert(CellIndex cell, Height bottom, Height top, std::uint32_t serial);
-  /// Removes what the scan still owns in the cell. @param visit (Interval): is shown each before.
+  /// Removes what the scan still owns. @param visit (Interval): is shown each before, in the order
+  /// in which the scan came to own them.
   template <typename Visit>
-  void expire(CellIndex cell, std::uint32_t serial, Visit&& visit);
-  void expire(CellIndex cell, std::uint32_t serial) {
-    expire(cell, serial, [](const Interval&) {});
+  void expire(std::uint32_t serial, Visit&& visit);
+  void expire(std::uint32_t serial) {
+    expire(serial, [](const Interval&) {});
   }
   /// Makes `nobody`, a serial that no scan of the window has, the owner of the intervals that meet
   /// the heights. What remaining scans saw there is then to be claimed, newest scan first; the rest
@@ -56,17 +63,32 @@ class Columns {
   [[nodiscard]] const Interval& interval(std::uint32_t index) const { return pool_[index]; }
   [[nodiscard]] CellIndex cells() const { return static_cast<CellIndex>(first_.size()); }
   [[nodiscard]] std::size_t used() const { return used_; }
-  [[nodiscard]] std::size_t room() const { return pool_.size() - used_; }
+  [[nodiscard]] std::size_t room() const { return intervals_max_ - used_; }
   [[nodiscard]] std::size_t memoryBytes() const;
 
  private:
+  /// The scan's anchor in the pool.
+  [[nodiscard]] std::uint32_t anchorOf(std::uint32_t serial) const {
+    return static_cast<std::uint32_t>(intervals_max_) + (serial & scans_mask_);
+  }
+  /// Into the list of its scan, at the end.
+  void joinOwner(std::uint32_t index);
+  void leaveOwner(std::uint32_t index);
+  /// To another scan's list.
+  void give(std::uint32_t index, std::uint32_t serial);
+  /// Into the cell's list.
+  void link(CellIndex cell, std::uint32_t previous, std::uint32_t index, std::uint32_t next);
+  void unlink(std::uint32_t index);
+  /// In both lists.
   std::uint32_t take(const Interval& interval);
   void release(std::uint32_t index);
   [[nodiscard]] bool split(std::uint32_t index, Height at);
   bool uniteWithNext(std::uint32_t index);
 
   std::vector<std::uint32_t> first_;
-  std::vector<Interval> pool_;
+  std::size_t intervals_max_;
+  std::uint32_t scans_mask_;
+  std::vector<Interval> pool_;  ///< intervals, then the scans' anchors
   std::uint32_t free_ = kNone;
   std::size_t used_ = 0;
 };
@@ -77,20 +99,24 @@ inline void Columns::release(std::uint32_t index) {
   --used_;
 }
 
+inline void Columns::unlink(std::uint32_t index) {
+  const Interval& interval = pool_[index];
+  (interval.previous == kNone ? first_[interval.cell] : pool_[interval.previous].next) =
+      interval.next;
+  if (interval.next != kNone) pool_[interval.next].previous = interval.previous;
+}
+
 template <typename Visit>
-void Columns::expire(CellIndex cell, std::uint32_t serial, Visit&& visit) {
-  std::uint32_t* link = &first_[cell];
-  while (*link != kNone) {
-    const std::uint32_t index = *link;
-    Interval& interval = pool_[index];
-    if (interval.serial != serial) {
-      link = &interval.next;
-      continue;
-    }
-    visit(static_cast<const Interval&>(interval));
-    *link = interval.next;
-    release(index);
+void Columns::expire(std::uint32_t serial, Visit&& visit) {
+  const std::uint32_t anchor = anchorOf(serial);
+  for (std::uint32_t i = pool_[anchor].owned_next; i != anchor;) {
+    visit(static_cast<const Interval&>(pool_[i]));
+    unlink(i);
+    const std::uint32_t next = pool_[i].owned_next;
+    release(i);
+    i = next;
   }
+  pool_[anchor].owned_next = pool_[anchor].owned_previous = anchor;
 }
 
 }  // namespace tccm

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -152,18 +150,8 @@ class IntegrationMap {
 
 template <typename Visit>
 void IntegrationMap::expireOldest(Visit&& visit) {
-  const std::uint32_t serial = ring_.oldestSerial();
-  // Neighbouring beams fall into a few cells in turn.
-  std::array<CellIndex, 4> lately;
-  lately.fill(grid_.cells());
-  std::size_t next = 0;
-  ring_.visitOldest([&](const MappedReturn& entry) {
-    if (std::find(lately.begin(), lately.end(), entry.cell) != lately.end()) return;
-    lately[next] = entry.cell;
-    next = (next + 1) % lately.size();
-    columns_.expire(entry.cell, serial, [&](const Columns::Interval& interval) {
-      visit(Leaving{entry.cell, {interval.bottom, interval.top}, serial, interval.born});
-    });
+  columns_.expire(ring_.oldestSerial(), [&](const Columns::Interval& interval) {
+    visit(Leaving{interval.cell, {interval.bottom, interval.top}, interval.serial, interval.born});
   });
   ring_.visitOldest(
       [this](const MappedReturn& entry) { counts_.remove(entry.cell, entry.height); });
