@@ -140,7 +140,7 @@ TEST_F(PoseCheckTest, TheCheckedBodyCanBeShown) {
   PoseFindings findings;
   check.check(map_, {0.3, 0.3}, {Pose::Identity()}, findings);
   ASSERT_EQ(check.collisionBody().shapes.size(), 2U);
-  EXPECT_NEAR(std::get<Sphere>(check.collisionBody().shapes[0]).radius, 0.09, 1e-12);
+  EXPECT_NEAR(std::get<Sphere>(check.collisionBody().shapes[0]).radius, 0.08, 1e-12);
   EXPECT_TRUE(test::isNearly(Vector3(check.collisionBody().poses[0].translation()),
                              Vector3(0.3, 0.0, 0.5), 1e-12));
   EXPECT_FALSE(check.occlusion().picture().drawn().empty());

@@ -17,7 +17,7 @@ class PoseCheck {
  public:
   struct Config {
     /// What is checked for collision.
-    LinkUse collision_use{Expansion{1.0, 0.04}};
+    LinkUse collision_use{Expansion{1.0, 0.03}};
     LinkUse occlusion_use = linksAlone();  ///< what the sensor should see
     CollisionCheck::Config collision;
     OcclusionCheck::Config occlusion;
