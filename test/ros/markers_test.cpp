@@ -164,7 +164,7 @@ TEST_F(RobotMarkerTest, EachPrimitiveIsDrawnNowAndAheadWhereItIs) {
   EXPECT_EQ(hand.header.frame_id, "odom");
   EXPECT_NEAR(hand.pose.position.x, 0.5, 1e-9);
   EXPECT_NEAR(hand.pose.position.z, 0.5, 1e-9);
-  EXPECT_NEAR(hand.scale.x, 2.0 * (0.05 + 0.04), 1e-9) << "as it is checked: padded";
+  EXPECT_NEAR(hand.scale.x, 2.0 * (0.05 + 0.03), 1e-9) << "as it is checked: padded";
   EXPECT_EQ(std::count_if(markers.begin(), markers.end(),
                           [](const Marker& m) { return m.ns == "ahead"; }),
             2);
@@ -221,7 +221,7 @@ TEST_F(RobotMarkerTest, WhatTheHandHoldsIsDrawnWithIt) {
   });
   ASSERT_NE(cylinder, markers.end());
   EXPECT_NEAR(cylinder->pose.position.x, 0.62, 1e-9);
-  EXPECT_NEAR(cylinder->scale.x, 2.0 * (0.03 + 0.04), 1e-9);
+  EXPECT_NEAR(cylinder->scale.x, 2.0 * (0.03 + 0.03), 1e-9);
   EXPECT_EQ(
       std::count_if(markers.begin(), markers.end(), [](const Marker& m) { return m.ns == "now"; }),
       5)
