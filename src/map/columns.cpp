@@ -93,7 +93,10 @@ bool Columns::insert(CellIndex cell, Height bottom, Height top, std::uint32_t se
   while (next != kNone && pool_[next].bottom <= top) {
     Interval& other = pool_[next];
     // Beams side by side see the same surface: most returns change nothing.
-    if (other.serial == serial && other.bottom <= bottom && other.top >= top) return true;
+    if (other.serial == serial && other.bottom <= bottom && other.top >= top) {
+      assert(reused == kNone);  // a scan's own never touch
+      return true;
+    }
     const bool overlaps = other.bottom < top && other.top > bottom;
     if (overlaps) added.born = older(added.born, other.born, serial);
     if (other.serial == serial) {  // the scan's own: one interval, also where they only touch

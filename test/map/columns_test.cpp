@@ -186,6 +186,17 @@ TEST(ColumnsTest, NobodysSerialMayBeTheOneAfterTheWrap) {
   EXPECT_EQ(piecesOf(columns), (Pieces{{0, 20, 0xFFFFFFFEU, 0xFFFFFFFEU}}));
 }
 
+TEST(ColumnsTest, WhatWasClaimedLeavesWithItsNewOwnerAlone) {
+  Columns columns = carved(10);
+  ASSERT_TRUE(columns.insert(0, 60, 70, 1));
+  (void)columns.disown(0, {0, 50}, kNobody);
+  EXPECT_TRUE(columns.claim(0, {0, 50}, 2, kNobody));
+  columns.expire(1);
+  EXPECT_EQ(piecesOf(columns), (Pieces{{0, 50, 2, 1}}));
+  columns.expire(2);
+  EXPECT_EQ(columns.used(), 0U);
+}
+
 /// One owner a quantum, 0 for none.
 using Owners = std::array<std::uint32_t, 100>;
 

@@ -142,6 +142,29 @@ TEST(MapperHoldTest, WhatIsNextToTheRobotsOutlineStaysHeldWhenALookEndsJustBesid
   EXPECT_EQ(feed.held(), 0U) << "the hand has left";
 }
 
+/// In all directions around the place, to so much of its distance; the robot's hand is beside them.
+std::vector<Look> allAround(double share) {
+  std::vector<Look> looks = {past(kPlace + Vector3(0.13, 0.0, 0.0), 0.8, Look::End::kRobot)};
+  for (int x = -8; x <= 8; ++x) {
+    for (int y = -8; y <= 8; ++y) {
+      looks.push_back(past(kPlace + 0.01 * Vector3(x, y, 0.0), share, Look::End::kNothing));
+    }
+  }
+  return looks;
+}
+
+TEST(MapperHoldTest, NextToTheRobotAPlaceIsLetGoOfOnceItIsLookedThroughAllAroundIt) {
+  Mapper::Config wide = config();
+  wide.hold_outline_rad = 0.15;
+  Feed feed(wide);
+  feed.scan({to(kPlace)});
+  feed.scan({}, kWindow);
+  feed.scan(allAround(1.0), 2);
+  EXPECT_EQ(feed.held(), 1U) << "something is still there";
+  feed.scan(allAround(1.2), 2);
+  EXPECT_EQ(feed.held(), 0U);
+}
+
 TEST(MapperHoldTest, AHeldIntervalIsLetGoOfOnceItsPlaceIsSeenAgain) {
   for (const Look& look : {past(kPlace, 1.5, Look::End::kNothing), past(kPlace, 1.1), to(kPlace),
                            past(kPlace, 0.97)}) {
