@@ -24,14 +24,17 @@ struct Hit {
 /// A snapshot's targets, made ready for many rays.
 class RayCaster {
  public:
-  explicit RayCaster(const Snapshot& snapshot) {
-    const Vector3 sensor = snapshot.T_fixed_sensor.translation();
+  explicit RayCaster(const Snapshot& snapshot)
+      : sensor_(snapshot.T_fixed_sensor.translation()),
+        normal_(snapshot.T_fixed_sensor.linear().col(2)) {
     for (std::size_t i = 0; i < snapshot.targets.shapes.size(); ++i) {
       const Pose& T_fixed_shape = snapshot.targets.poses[i];
       const Pose T_shape_fixed = T_fixed_shape.inverse();
-      if (distance(snapshot.targets.shapes[i], T_shape_fixed * sensor) == 0.0) continue;
+      if (distance(snapshot.targets.shapes[i], T_shape_fixed * sensor_) == 0.0) continue;
       targets_.push_back({snapshot.targets.shapes[i], T_shape_fixed, T_fixed_shape.translation(),
                           boundingRadius(snapshot.targets.shapes[i]), snapshot.labels[i]});
+      all_.push_back(all_.size());
+      if (meetsScanPlane(targets_.back())) near_plane_.push_back(all_.back());
     }
   }
 
@@ -40,7 +43,7 @@ class RayCaster {
   void aim(const Ray& axis, double angle) {
     const double spread = std::tan(angle);
     aimed_at_.clear();
-    for (std::size_t i = 0; i < targets_.size(); ++i) {
+    for (const std::size_t i : isNearPlane(axis, spread) ? near_plane_ : all_) {
       const Target& target = targets_[i];
       const Vector3 to_centre = target.centre - axis.origin;
       const double along = to_centre.dot(axis.direction);
@@ -79,8 +82,28 @@ class RayCaster {
     std::size_t label;
   };
   static constexpr double kTiny = 1e-9;  // [m^2], far above rounding
+  // Within a scan the sensor turns and moves a little: a ray begins within kAside of where it was,
+  // and leaves the plane of the scan by no more than kSlope of its length.
+  static constexpr double kAside = 0.01;  // [m]
+  static constexpr double kSlope = 0.05;
+
+  [[nodiscard]] bool isNearPlane(const Ray& axis, double spread) const {
+    return (axis.origin - sensor_).norm() <= kAside &&
+           std::abs(normal_.dot(axis.direction)) + spread <= kSlope;
+  }
+  /// @return true where a ray that is near the plane may meet it.
+  [[nodiscard]] bool meetsScanPlane(const Target& target) const {
+    const Vector3 to_centre = target.centre - sensor_;
+    const double length_max = to_centre.norm() + target.radius + kAside;
+    return std::abs(normal_.dot(to_centre)) <= target.radius + kAside + kSlope * length_max;
+  }
+
+  Vector3 sensor_;
+  Vector3 normal_;  ///< of the plane of the scan
   std::vector<Target> targets_;
-  std::vector<std::size_t> aimed_at_;  ///< indices, rising
+  std::vector<std::size_t> all_;         ///< indices, rising
+  std::vector<std::size_t> near_plane_;  ///< those that a ray near the plane may meet, rising
+  std::vector<std::size_t> aimed_at_;    ///< indices, rising
 };
 
 /// The sensor's pose and the targets at any instant between the first and the last snapshot.
@@ -144,23 +167,27 @@ struct Spot {
   }
 };
 
-Spot lookThroughSpot(RayCaster& caster, const Pose& T_fixed_sensor, double azimuth,
+Spot lookThroughSpot(RayCaster& caster, const Pose& T_fixed_sensor, const SpotRays& rays,
                      const Scanner::Config& config) {
-  const auto cast = [&](double d_azimuth, double d_elevation) {
-    const Vector3 d = T_fixed_sensor.linear() * direction(azimuth + d_azimuth, d_elevation);
-    return caster.cast({T_fixed_sensor.translation(), d}, config.range_max_m);
+  const auto ray = [&](const Vector3& direction) -> Ray {
+    return {T_fixed_sensor.translation(), T_fixed_sensor.linear() * direction};
   };
-  const double half = 0.5 * config.spot_deg * kDegree;
-  const Vector3 axis = T_fixed_sensor.linear() * direction(azimuth, 0.0);
-  caster.aim({T_fixed_sensor.translation(), axis}, 1.01 * half);
+  const Ray axis = ray(rays.axis);
+  caster.aim(axis, 1.01 * 0.5 * config.spot_deg * kDegree);
   Spot spot;
-  spot.axis = cast(0.0, 0.0);
+  spot.axis = caster.cast(axis, config.range_max_m);
   spot.nearest = spot.farthest = spot.axis;
-  for (const double offset : {-half, half}) {
-    spot.addRim(cast(offset, 0.0));
-    spot.addRim(cast(0.0, offset));
+  for (const Vector3& direction : rays.rim) {
+    spot.addRim(caster.cast(ray(direction), config.range_max_m));
   }
   return spot;
+}
+
+double increment(const Scanner::Config& config) { return config.angle_increment_deg * kDegree; }
+
+/// The beams are centred on x.
+double angleMin(const Scanner::Config& config) {
+  return -0.5 * static_cast<double>(config.beams - 1) * increment(config);
 }
 
 }  // namespace
@@ -190,6 +217,13 @@ Duration Scanner::Config::scanDuration() const {
 
 Scanner::Scanner(const Config& config, std::uint64_t seed) : config_(config), random_(seed) {
   config_.validate();
+  const double half = 0.5 * config_.spot_deg * kDegree;
+  for (std::size_t i = 0; i < config_.beams; ++i) {
+    const double azimuth = angleMin(config_) + static_cast<double>(i) * increment(config_);
+    spots_.push_back({direction(azimuth, 0.0),
+                      {direction(azimuth - half, 0.0), direction(azimuth, -half),
+                       direction(azimuth + half, 0.0), direction(azimuth, half)}});
+  }
 }
 
 double Scanner::noisy(double range) { return range + config_.noise_m * normal_(random_); }
@@ -204,12 +238,11 @@ void Scanner::advanceMixing() {
 }
 
 SimulatedScan Scanner::measure(Time stamp, const std::vector<Snapshot>& snapshots) {
-  const double increment = config_.angle_increment_deg * kDegree;
   SimulatedScan result;
   LaserScan& scan = result.scan;
   scan.stamp = stamp;
-  scan.angle_min = -0.5 * static_cast<double>(config_.beams - 1) * increment;
-  scan.angle_increment = increment;
+  scan.angle_min = angleMin(config_);
+  scan.angle_increment = increment(config_);
   scan.time_increment = config_.timeIncrement();
   scan.range_min = config_.range_min_m;
   scan.range_max = config_.range_max_m;
@@ -217,9 +250,8 @@ SimulatedScan Scanner::measure(Time stamp, const std::vector<Snapshot>& snapshot
   MovingScene scene(snapshots);
   for (std::size_t i = 0; i < config_.beams; ++i) {
     const Time beam_time = scan.beamTime(i);
-    const double azimuth = scan.angle_min + static_cast<double>(i) * increment;
     const Spot spot =
-        lookThroughSpot(scene.casterAt(beam_time), scene.sensorAt(beam_time), azimuth, config_);
+        lookThroughSpot(scene.casterAt(beam_time), scene.sensorAt(beam_time), spots_[i], config_);
     double range = spot.axis.range;
     BeamTruth truth;
     if (spot.axis.found()) truth.label = spot.axis.label;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <random>
@@ -31,6 +32,12 @@ struct BeamTruth {
 struct SimulatedScan {
   LaserScan scan;
   std::vector<BeamTruth> truth;  ///< one for each beam
+};
+
+/// The middle and the rim of a beam's spot: directions in the sensor's frame.
+struct SpotRays {
+  Vector3 axis;
+  std::array<Vector3, 4> rim;
 };
 
 /// A planar laser range finder after Hokuyo's UBG-04LX-F01. Repeatable from its seed.
@@ -73,6 +80,7 @@ class Scanner {
   void advanceMixing();
 
   Config config_;
+  std::vector<SpotRays> spots_;  ///< of each beam
   std::mt19937_64 random_;
   std::normal_distribution<double> normal_;
   std::uniform_real_distribution<double> uniform_;

@@ -48,18 +48,24 @@ void write(const TrialOptions& options, const std::string& experiment, const Fin
 
 /// How long it took is no result: it differs from run to run.
 void writeTiming(const TrialOptions& options, const Findings& findings, double took_s) {
+  const double times_real_time = findings.simulated_s / (took_s - findings.not_simulating_s);
   nlohmann::ordered_json timing = {{"jobs", options.jobs},
                                    {"simulated_s", findings.simulated_s},
                                    {"took_s", took_s},
-                                   {"times_real_time", findings.simulated_s / took_s}};
+                                   {"not_simulating_s", findings.not_simulating_s},
+                                   {"times_real_time", times_real_time}};
   if (!findings.timing.is_null()) timing.update(findings.timing);
   writeText((std::filesystem::path(options.out) / "timing.json").string(), timing.dump(2) + '\n');
   if (timing.contains("processing_us")) {
     std::printf("processing     %.2f ms from a scan's beams to the verdict at p99\n",
                 1e-3 * timing["processing_us"]["p99"].get<double>());
   }
-  std::printf("took           %.1f s, %.0f times as fast as real time, on %d thread%s\n", took_s,
-              findings.simulated_s / took_s, options.jobs, options.jobs > 1 ? "s" : "");
+  std::printf("took           %.1f s", took_s);
+  if (findings.not_simulating_s > 0.0) {
+    std::printf(" (%.1f s of them measured without simulating)", findings.not_simulating_s);
+  }
+  std::printf(", %.0f times as fast as real time, on %d thread%s\n", times_real_time, options.jobs,
+              options.jobs > 1 ? "s" : "");
 }
 
 int run(const Experiment& experiment, const TrialOptions& options) {

@@ -32,6 +32,7 @@ struct Findings {
   std::vector<std::string> lines;            ///< for people
   std::vector<std::string> missed;           ///< limits
   double simulated_s = 0.0;
+  double not_simulating_s = 0.0;  ///< that it took to measure other things, after the simulation
   nlohmann::ordered_json timing;  ///< other than of the whole: not repeatable
 };
 

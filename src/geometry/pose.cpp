@@ -2,16 +2,40 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace tccm {
 
-Pose interpolate(const Pose& from, const Pose& to, double u) {
-  const Eigen::Quaterniond q_from(from.linear());
-  const Eigen::Quaterniond q_to(to.linear());
+Interpolation::Interpolation(const Pose& from, const Pose& to)
+    : q_from_(from.linear()),
+      q_to_(to.linear()),
+      angle_(0.0),
+      per_sine_(0.0),
+      p_from_(from.translation()),
+      p_to_(to.translation()) {
+  double cosine = q_from_.dot(q_to_);
+  if (cosine < 0.0) {
+    q_to_.coeffs() = -q_to_.coeffs();
+    cosine = -cosine;
+  }
+  if (cosine >= 1.0 - std::numeric_limits<double>::epsilon()) return;
+  angle_ = std::acos(cosine);
+  per_sine_ = 1.0 / std::sin(angle_);
+}
+
+Pose Interpolation::at(double u) const {
+  const bool turns = angle_ > 0.0;
+  const double share_from = turns ? std::sin((1.0 - u) * angle_) * per_sine_ : 1.0 - u;
+  const double share_to = turns ? std::sin(u * angle_) * per_sine_ : u;
+  const Eigen::Quaterniond q(share_from * q_from_.coeffs() + share_to * q_to_.coeffs());
   Pose pose = Pose::Identity();
-  pose.linear() = q_from.slerp(u, q_to).toRotationMatrix();
-  pose.translation() = (1.0 - u) * from.translation() + u * to.translation();
+  pose.linear() = q.toRotationMatrix();
+  pose.translation() = (1.0 - u) * p_from_ + u * p_to_;
   return pose;
+}
+
+Pose interpolate(const Pose& from, const Pose& to, double u) {
+  return Interpolation(from, to).at(u);
 }
 
 double displacement(const Pose& from, const Pose& to, double radius_m) {
@@ -38,6 +62,7 @@ void PosePath::clear() {
   stamps_.clear();
   poses_.clear();
   hint_ = 0;
+  from_hint_.reset();
 }
 
 bool PosePath::covers(Time first, Time last) const {
@@ -46,12 +71,15 @@ bool PosePath::covers(Time first, Time last) const {
 
 std::optional<Pose> PosePath::at(Time stamp) const {
   if (!covers(stamp, stamp)) return std::nullopt;
-  if (hint_ >= stamps_.size() || stamps_[hint_] > stamp) hint_ = 0;
+  const std::size_t before = hint_;
+  if (stamps_[hint_] > stamp) hint_ = 0;
   while (hint_ + 1 < stamps_.size() && stamps_[hint_ + 1] <= stamp) ++hint_;
+  if (hint_ != before) from_hint_.reset();
   if (stamps_[hint_] == stamp) return poses_[hint_];
   const double u =
       toSeconds(stamp - stamps_[hint_]) / toSeconds(stamps_[hint_ + 1] - stamps_[hint_]);
-  return interpolate(poses_[hint_], poses_[hint_ + 1], u);
+  if (!from_hint_) from_hint_.emplace(poses_[hint_], poses_[hint_ + 1]);
+  return from_hint_->at(u);
 }
 
 }  // namespace tccm

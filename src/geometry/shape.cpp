@@ -63,9 +63,9 @@ struct PointDistance {
     return (p.cwiseAbs() - box.half_extents).cwiseMax(0.0).norm();
   }
   double operator()(const Cylinder& c) const {
-    const double outward = std::max(0.0, std::hypot(p.x(), p.y()) - c.radius);
+    const double outward = std::max(0.0, p.head<2>().norm() - c.radius);
     const double beyond = std::max(0.0, std::abs(p.z()) - c.half_length);
-    return std::hypot(outward, beyond);
+    return std::sqrt(outward * outward + beyond * beyond);
   }
   double operator()(const Capsule& c) const {
     const Vector3 on_axis(0.0, 0.0, std::clamp(p.z(), -c.half_length, c.half_length));

@@ -80,8 +80,9 @@ class SweepFaultsTest(NamedSubTests):
     @classmethod
     def setUpClass(cls):
         cls.robot, head = GatedRobot(), SimulatedHead()
-        # The palm then is below what the narrowed tilt looks at, and above the tilt's lowest.
-        head.reach_until("right_elbow_joint", -2.2)
+        # The palm then is below all that counts as looked at by the narrowed tilt, a beam's
+        # neighbourhood included, and above the tilt's lowest.
+        head.reach_until("right_elbow_joint", -2.35)
         rospy.sleep(2.0 * TILT_PERIOD)
         cls.episodes = [Episode(cls.robot, head, fault) for fault in FAULTS]
 

@@ -12,7 +12,22 @@ using Vector3 = Eigen::Vector3d;
 /// A rigid transform. T_a_b takes coordinates in frame b to coordinates in frame a.
 using Pose = Eigen::Isometry3d;
 
-/// Linear in the translation, spherical in the rotation. @param u 0 gives from, 1 gives to.
+/// The way from one pose to another: linear in the translation, spherical in the rotation.
+class Interpolation {
+ public:
+  Interpolation(const Pose& from, const Pose& to);
+  /// @param u 0 gives from, 1 gives to.
+  [[nodiscard]] Pose at(double u) const;
+
+ private:
+  Eigen::Quaterniond q_from_;
+  Eigen::Quaterniond q_to_;  ///< in the hemisphere of q_from_
+  double angle_;             ///< between the two quaternions; 0 where it hardly is one
+  double per_sine_;          ///< 1 over the sine of the angle
+  Vector3 p_from_;
+  Vector3 p_to_;
+};
+
 [[nodiscard]] Pose interpolate(const Pose& from, const Pose& to, double u);
 
 /// How far a point within that radius of a frame's origin moves at most from one pose of the frame
@@ -37,6 +52,7 @@ class PosePath {
   std::vector<Time> stamps_;
   std::vector<Pose> poses_;
   mutable std::size_t hint_ = 0;
+  mutable std::optional<Interpolation> from_hint_;  ///< to the pose after that
 };
 
 }  // namespace tccm
