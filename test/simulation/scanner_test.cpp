@@ -2,12 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "simulation/world.h"
+#include "support/random.h"
 
 namespace tccm::simulation {
 namespace {
+
+using test::Random;
 
 Snapshot snapshotOf(Time stamp, const std::vector<std::pair<Shape, Pose>>& targets) {
   Snapshot snapshot{stamp, Pose::Identity(), {}, {}};
@@ -78,6 +83,64 @@ TEST(ScannerTest, EachBeamMeetsWhatIsThereAtItsOwnTime) {
   for (std::size_t i = 200; i < 467; ++i) {
     const double wall_x = 2.0 - 10.0 * toSeconds(scan.beamTime(i));
     EXPECT_NEAR(scan.ranges[i] * std::cos(azimuthOf(scan, i)), wall_x, 0.0051);
+  }
+}
+
+/// The nearest surface by rays on every target of the nearest snapshot. @pre two snapshots
+double rangeByAll(const std::vector<Snapshot>& snapshots, Time stamp, double azimuth) {
+  const double u =
+      toSeconds(stamp - snapshots[0].stamp) / toSeconds(snapshots[1].stamp - snapshots[0].stamp);
+  const Pose T_fixed_sensor =
+      interpolate(snapshots[0].T_fixed_sensor, snapshots[1].T_fixed_sensor, u);
+  const Ray ray{T_fixed_sensor.translation(),
+                T_fixed_sensor.linear() * Vector3(std::cos(azimuth), std::sin(azimuth), 0.0)};
+  const Body& targets = snapshots[u <= 0.5 ? 0 : 1].targets;
+  double range = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < targets.shapes.size(); ++i) {
+    const auto span = intersect(targets.shapes[i], transformed(ray, targets.poses[i].inverse()));
+    if (span) range = std::min(range, span->enter);
+  }
+  return range;
+}
+
+/// @param turn and step of the sensor during the scan
+void expectRangesByAll(unsigned seed, const Vector3& turn, const Vector3& step) {
+  Random random(seed);
+  std::vector<std::pair<Shape, Pose>> targets;
+  for (int i = 0; i < 300; ++i) {
+    const Pose pose = random.pose(2.0);
+    if (pose.translation().norm() < 0.5) continue;  // the sensor is not to be within it
+    targets.emplace_back(random.shape(targets.size() % test::kShapeKinds), pose);
+  }
+  std::vector<Snapshot> snapshots = standing(targets);
+  snapshots[0].T_fixed_sensor.linear() = random.rotation();
+  snapshots[1].T_fixed_sensor =
+      snapshots[0].T_fixed_sensor * Eigen::AngleAxisd(turn.norm(), turn.normalized());
+  snapshots[1].T_fixed_sensor.translation() += step;
+  Scanner::Config config = noiseless();
+  config.mixed_share = 0.0;
+  Scanner scanner(config, 1);
+  const LaserScan scan = scanner.measure(Time{}, snapshots).scan;
+  std::size_t met = 0;
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+    const double expected = rangeByAll(snapshots, scan.beamTime(i), azimuthOf(scan, i));
+    ASSERT_EQ(std::isfinite(expected) && expected <= config.range_max_m,
+              std::isfinite(scan.ranges[i]))
+        << i;
+    if (!std::isfinite(scan.ranges[i])) continue;
+    ASSERT_NEAR(scan.ranges[i], expected, 1e-5) << i;
+    ++met;
+  }
+  EXPECT_GT(met, 20U);
+}
+
+TEST(ScannerTest, RangesOfASensorThatTurnsAreThoseOfRaysOnEveryTarget) {
+  const Vector3 x = Vector3::UnitX(), y = Vector3::UnitY(), z = Vector3::UnitZ();
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    expectRangesByAll(seed, 0.03 * y, 0.002 * x);
+    expectRangesByAll(seed, 0.06 * y, 0.008 * z);
+    expectRangesByAll(seed, 0.5 * y, 0.1 * z);
+    expectRangesByAll(seed, 0.2 * z, 0.005 * z);
   }
 }
 
