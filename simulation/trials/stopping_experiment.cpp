@@ -313,6 +313,8 @@ Findings runStopping(StoppingOptions options, const TrialOptions& common,
                        {"deceleration_mps2", options.trial.controller.acceleration_mps2},
                        {"obeys_scale", options.trial.obeys_scale},
                        {"appear_distance_m", options.appear_distance_m},
+                       {"collision_padding_m",
+                        options.trial.monitor.checker.pose.collision_use.expansion.padding_m},
                        {"through_nodelets", options.through_nodelets}};
   findings.rows =
       "seed,speed_mps,obstacle,gap_m,aside_m,turn_rad,tilt_phase,outcome,reason,left_m,beam_s,"
