@@ -24,7 +24,7 @@ constexpr std::size_t kTilt = 56;    // scans
 
 struct UpdatesOptions {
   std::vector<std::size_t> windows = {5, 10, 20, 40, 80, 120, 160, 200};
-  std::size_t steps = 5 * kScans;
+  std::size_t steps = 3 * kScans;
   std::size_t additions = kTilt;
   std::vector<std::string> scenes = {"table", "shelf"};
 };
@@ -175,7 +175,7 @@ double addition(const Sweep& sweep, const IntegrationMap::Config& config, std::s
 
 Findings runUpdates(const UpdatesOptions& options, const TrialOptions& common,
                     const Progress& progress) {
-  constexpr std::size_t kRounds = 5;
+  constexpr std::size_t kRounds = 3;
   constexpr double kRise = 1.3;
   constexpr double kFaster = 30.0;
   const MonitorSettings settings = trialSettings(common);
