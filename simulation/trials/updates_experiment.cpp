@@ -52,7 +52,8 @@ void declare(CLI::App& command, UpdatesOptions& options) {
 struct Sweep {
   std::vector<Points> scans;
   std::size_t cuboids = 0;
-  std::size_t returns = 0;  ///< in the map's window
+  std::size_t held = 0;     ///< of the cuboids
+  std::size_t returns = 0;  ///< in the map's window: in the others
 };
 
 Sweep sweepOf(const std::string& scene, const MonitorSettings& settings, std::uint64_t seed,
@@ -71,7 +72,10 @@ Sweep sweepOf(const std::string& scene, const MonitorSettings& settings, std::ui
     if (sweep.scans.empty()) {
       const CuboidMap& map = *simulation.monitor().map();
       sweep.cuboids = map.cuboids.size();
-      for (const Cuboid& cuboid : map.cuboids) sweep.returns += cuboid.points;
+      for (const Cuboid& cuboid : map.cuboids) {
+        sweep.held += cuboid.held ? 1 : 0;
+        sweep.returns += cuboid.held ? 0 : cuboid.points;
+      }
     }
     Points points;
     for (const Beam& beam : simulation.monitor().assembled().beams) {
@@ -183,7 +187,7 @@ Findings runUpdates(const UpdatesOptions& options, const TrialOptions& common,
   Findings findings;
   findings.settings = {
       {"windows", options.windows}, {"steps", options.steps}, {"additions", options.additions}};
-  findings.rows = "scene,cuboids,returns,bytes\n";
+  findings.rows = "scene,cuboids,held,returns,bytes\n";
   std::vector<Sweep> sweeps;
   for (const std::string& scene : options.scenes) {
     // Of the others the map is wanted alone.
@@ -192,14 +196,17 @@ Findings runUpdates(const UpdatesOptions& options, const TrialOptions& common,
     const std::size_t bytes = sweep.cuboids * sizeof(Cuboid);
     findings.simulated_s += 0.028 * static_cast<double>(sweep.scans.size()) + 5.0;
     findings.rows += scene + ',' + std::to_string(sweep.cuboids) + ',' +
-                     std::to_string(sweep.returns) + ',' + std::to_string(bytes) + '\n';
+                     std::to_string(sweep.held) + ',' + std::to_string(sweep.returns) + ',' +
+                     std::to_string(bytes) + '\n';
     findings.figures["scenes"].push_back({{"scene", scene},
                                           {"cuboids", sweep.cuboids},
+                                          {"held", sweep.held},
                                           {"returns", sweep.returns},
                                           {"bytes", bytes}});
-    findings.lines.push_back(scene + ": " + std::to_string(sweep.cuboids) + " cuboids of " +
-                             std::to_string(sweep.returns) + " returns, " + std::to_string(bytes) +
-                             " bytes");
+    findings.lines.push_back(scene + ": " + std::to_string(sweep.cuboids) + " cuboids, " +
+                             std::to_string(sweep.held) + " of them held, of " +
+                             std::to_string(sweep.returns) + " returns in the window, " +
+                             std::to_string(bytes) + " bytes");
   }
   findings.lines.emplace_back("| part maps | replacement [us] | adding all [us] | ratio |");
   findings.lines.emplace_back("|---:|---:|---:|---:|");
