@@ -8,8 +8,10 @@ import os
 import re
 import signal
 import struct
+import shutil
 import subprocess
 import tempfile
+import threading
 import time
 
 import rosnode
@@ -17,6 +19,7 @@ import rospkg
 import rospy
 import rostest
 
+from gated_robot import wait_for
 from monitor_recorder import Recorder
 from named_subtests import NamedSubTests
 from tccm_monitor.msg import MonitorStatus
@@ -25,7 +28,9 @@ PACKAGE = rospkg.RosPack().get_path("tccm_monitor")
 ARMS = os.path.join(PACKAGE, "simulation", "robot", "dual_arm.urdf")
 MISSING_MESH = os.path.join(PACKAGE, "test", "ros", "mesh_robot.urdf")
 DEFAULTS = None  # the launch file's own configuration
-LISTENING = 8.0  # seconds
+PATIENCE = 90.0  # seconds until all have started or refused to, on a machine that may be busy
+LISTENING = 3.0  # seconds from then on
+STATUSES = 50  # of a checker that runs, at least
 
 
 # Of mesh_robot.urdf, to be replaced by one that is there.
@@ -89,42 +94,80 @@ CASES = {
 }
 
 
-def launch(namespace, case, folder):
-    robot = case.robot(folder) if callable(case.robot) else case.robot
-    command = ["roslaunch", "tccm_monitor", "monitor.launch", f"robot:={robot}",
-               f"standalone:={str(case.standalone).lower()}"]
-    if case.config is not DEFAULTS:
-        path = os.path.join(folder, namespace + ".yaml")
-        with open(path, "w", encoding="utf-8") as file:
-            json.dump(case.config, file)  # which is YAML too
-        command.append(f"config:={path}")
-    # A folder of its own for the fits that are kept.
-    environment = dict(os.environ, ROS_NAMESPACE="/" + namespace, ROS_HOME=folder)
-    return subprocess.Popen(command, env=environment,
-                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+class Launched:
+    """One case in a namespace of its own, and what it says on its console."""
 
+    def __init__(self, namespace, case, folder):
+        self._case = case
+        robot = case.robot(folder) if callable(case.robot) else case.robot
+        command = ["roslaunch", "tccm_monitor", "monitor.launch", f"robot:={robot}",
+                   f"standalone:={str(case.standalone).lower()}"]
+        if case.config is not DEFAULTS:
+            path = os.path.join(folder, namespace + ".yaml")
+            with open(path, "w", encoding="utf-8") as file:
+                json.dump(case.config, file)  # which is YAML too
+            command.append(f"config:={path}")
+        # A folder of its own for the fits that are kept.
+        environment = dict(os.environ, ROS_NAMESPACE="/" + namespace, ROS_HOME=folder)
+        self._process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE,
+                                         stderr=subprocess.STDOUT, text=True)
+        self.console = []
+        self._reader = threading.Thread(target=self._read)
+        self._reader.start()
 
-def console_of(process):
-    process.send_signal(signal.SIGINT)
-    output, _ = process.communicate(timeout=30)
-    return re.sub("\x1b\\[[0-9;]*m", "", output).splitlines()
+    def _read(self):
+        for line in self._process.stdout:
+            self.console.append(re.sub("\x1b\\[[0-9;]*m", "", line.rstrip("\n")))
+
+    def said(self, text):
+        return [line for line in self.console if text in line]
+
+    def has_refused(self):
+        return len(self.said("refuses to start")) >= len(self._case.refusals)
+
+    def end(self):
+        self._process.send_signal(signal.SIGINT)
+        self._process.wait(timeout=30)
+        self._reader.join()
 
 
 class RefusalsTest(NamedSubTests):
     @classmethod
     def setUpClass(cls):
         cls.recorders = {namespace: Recorder(f"/{namespace}/") for namespace in CASES}
-        with tempfile.TemporaryDirectory() as folder:
-            running = {namespace: launch(namespace, case, folder)
-                       for namespace, case in CASES.items()}
+        folder = tempfile.mkdtemp()
+        cls.launched = {namespace: Launched(namespace, case, folder)
+                        for namespace, case in CASES.items()}
+        try:
+            wait_for(cls.all_came_up, PATIENCE)
             time.sleep(LISTENING)
             cls.nodes = set(rosnode.get_node_names())
-            cls.console = {namespace: console_of(process)
-                           for namespace, process in running.items()}
-            cls.fits = glob.glob(os.path.join(folder, "tccm_monitor", "fits", "*"))
+        finally:
+            for launched in cls.launched.values():
+                launched.end()
+        cls.fits = glob.glob(os.path.join(folder, "tccm_monitor", "fits", "*"))
+        shutil.rmtree(folder, ignore_errors=True)
+
+    @classmethod
+    def all_came_up(cls):
+        """Whether nothing that is asked for below is still to come."""
+        time.sleep(0.2)  # the master has enough to do
+        nodes = rosnode.get_node_names()
+        return all(cls.came_up(namespace, case, nodes) for namespace, case in CASES.items())
+
+    @classmethod
+    def came_up(cls, namespace, case, nodes):
+        if not cls.launched[namespace].has_refused():
+            return False
+        if case.standalone:
+            return f"/{namespace}/tccm_monitor" not in nodes
+        if f"/{namespace}/tccm_monitor_manager" not in nodes:
+            return False
+        return "collision_checker" in case.refusals or \
+            len(cls.recorders[namespace].statuses) > STATUSES
 
     def said(self, namespace, text):
-        return [line for line in self.console[namespace] if text in line]
+        return self.launched[namespace].said(text)
 
     def test_each_refusal_is_one_line_naming_the_key(self):
         for namespace, case in CASES.items():
@@ -154,7 +197,7 @@ class RefusalsTest(NamedSubTests):
         for namespace, case in CASES.items():
             if not case.standalone:
                 self.assertIn(f"/{namespace}/tccm_monitor_manager", self.nodes)
-        self.assertGreater(len(self.recorders["bad_cell_size"].statuses), 50)
+        self.assertGreater(len(self.recorders["bad_cell_size"].statuses), STATUSES)
 
     def test_one_process_for_all_ends(self):
         self.assertNotIn("/alone/tccm_monitor", self.nodes)
