@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "support/near.h"
@@ -48,6 +49,23 @@ TEST(PoseTest, InterpolationOfRandomPosesStaysRigidAndTurnsEvenly) {
     const double part =
         Eigen::Quaterniond(from.linear()).angularDistance(Eigen::Quaterniond(between.linear()));
     ASSERT_NEAR(part, u * whole, 1e-6);
+  }
+}
+
+TEST(PoseTest, RotationsAreInterpolatedAsByEigen) {
+  Random random(3);
+  for (int i = 0; i < 2000; ++i) {
+    const Pose from = random.pose(2.0);
+    // From no turn at all, over such as a scan brings, to half a turn.
+    const double angle = i % 4 == 0 ? 0.0 : std::pow(10.0, random.uniform(-10.0, 0.49));
+    Pose to = random.pose(2.0);
+    to.linear() = from.linear() * Eigen::AngleAxisd(angle, random.direction());
+    const double u = random.uniform(0.0, 1.0);
+    const Eigen::Quaterniond q_from(from.linear()), q_to(to.linear());
+    Pose expected = Pose::Identity();
+    expected.linear() = q_from.slerp(u, q_to).toRotationMatrix();
+    expected.translation() = (1.0 - u) * from.translation() + u * to.translation();
+    ASSERT_TRUE(isNearly(interpolate(from, to, u), expected, 1e-12)) << angle << ' ' << u;
   }
 }
 

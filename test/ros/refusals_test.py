@@ -6,9 +6,9 @@ import glob
 import json
 import os
 import re
+import shutil
 import signal
 import struct
-import shutil
 import subprocess
 import tempfile
 import threading
@@ -112,7 +112,7 @@ class Launched:
         self._process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE,
                                          stderr=subprocess.STDOUT, text=True)
         self.console = []
-        self._reader = threading.Thread(target=self._read)
+        self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
 
     def _read(self):

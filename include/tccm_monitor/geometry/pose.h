@@ -12,7 +12,8 @@ using Vector3 = Eigen::Vector3d;
 /// A rigid transform. T_a_b takes coordinates in frame b to coordinates in frame a.
 using Pose = Eigen::Isometry3d;
 
-/// The way from one pose to another: linear in the translation, spherical in the rotation.
+/// The way from one pose to another: linear in the translation, spherical in the rotation, as
+/// Eigen's slerp(), but what all places of the way have in common is computed once.
 class Interpolation {
  public:
   Interpolation(const Pose& from, const Pose& to);
@@ -28,6 +29,7 @@ class Interpolation {
   Vector3 p_to_;
 };
 
+/// One place of that way. @param u 0 gives from, 1 gives to.
 [[nodiscard]] Pose interpolate(const Pose& from, const Pose& to, double u);
 
 /// How far a point within that radius of a frame's origin moves at most from one pose of the frame
