@@ -4,9 +4,9 @@
 
 #include <benchmark/benchmark.h>
 
+#include "check/pose_check.h"
 #include "latencies.h"
 #include "support/table_scene.h"
-#include "tccm_monitor/check/pose_check.h"
 
 namespace tccm {
 namespace {

@@ -11,12 +11,12 @@
 #include <limits>
 #include <random>
 
+#include "geometry/ray.h"
+#include "map/integration_map.h"
+#include "map/place_ages.h"
+#include "sight/look_map.h"
 #include "support/literal_map.h"
 #include "support/part_union.h"
-#include "tccm_monitor/geometry/ray.h"
-#include "tccm_monitor/map/integration_map.h"
-#include "tccm_monitor/map/look_map.h"
-#include "tccm_monitor/map/place_ages.h"
 
 namespace tccm {
 namespace {

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "check/checker.h"
 #include "latencies.h"
 #include "support/table_scene.h"
-#include "tccm_monitor/check/checker.h"
 
 namespace tccm {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "tccm_monitor/config_error.h"
+#include "config_error.h"
 
 namespace tccm::simulation {
 namespace {

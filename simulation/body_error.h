@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "tccm_monitor/geometry/shape.h"
-#include "tccm_monitor/robot/robot_model.h"
+#include "geometry/shape.h"
+#include "robot/robot_model.h"
 
 namespace tccm::simulation {
 

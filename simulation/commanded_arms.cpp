@@ -6,7 +6,7 @@
 #include <set>
 #include <utility>
 
-#include "tccm_monitor/config_error.h"
+#include "config_error.h"
 
 namespace tccm::simulation {
 namespace {

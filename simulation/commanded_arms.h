@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "tccm_monitor/robot/robot_model.h"
-#include "tccm_monitor/time.h"
+#include "robot/robot_model.h"
+#include "time.h"
 
 namespace tccm::simulation {
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "simulation/robot/dual_arm.h"
-#include "tccm_monitor/stopwatch.h"
+#include "stopwatch.h"
 
 namespace tccm::simulation {
 namespace {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "monitor.h"
 #include "simulation/guardian.h"
 #include "simulation/simulator.h"
-#include "tccm_monitor/monitor.h"
 
 namespace tccm::simulation {
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "tccm_monitor/time.h"
+#include "time.h"
 
 namespace tccm::simulation {
 

@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
+#include "robot/kinematics.h"
+#include "robot/robot_model.h"
 #include "simulation/world.h"
-#include "tccm_monitor/robot/kinematics.h"
-#include "tccm_monitor/robot/robot_model.h"
 
 namespace tccm::simulation {
 

@@ -6,10 +6,10 @@
 #include <random>
 #include <vector>
 
-#include "tccm_monitor/geometry/pose.h"
-#include "tccm_monitor/geometry/ray.h"
-#include "tccm_monitor/geometry/shape.h"
-#include "tccm_monitor/scan/laser_scan.h"
+#include "geometry/pose.h"
+#include "geometry/ray.h"
+#include "geometry/shape.h"
+#include "scan/laser_scan.h"
 
 namespace tccm::simulation {
 

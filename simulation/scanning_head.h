@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "simulation/motion.h"
-#include "tccm_monitor/time.h"
+#include "time.h"
 
 namespace tccm::simulation {
 

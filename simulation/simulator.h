@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "robot/kinematics.h"
+#include "robot/robot_model.h"
 #include "simulation/arm_path.h"
 #include "simulation/body_error.h"
 #include "simulation/clearance.h"
@@ -15,8 +17,6 @@
 #include "simulation/scanning_head.h"
 #include "simulation/truth.h"
 #include "simulation/world.h"
-#include "tccm_monitor/robot/kinematics.h"
-#include "tccm_monitor/robot/robot_model.h"
 
 namespace tccm::simulation {
 

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "tccm_monitor/geometry/pose.h"
-#include "tccm_monitor/time.h"
+#include "geometry/pose.h"
+#include "time.h"
 
 namespace tccm::simulation {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "tccm_monitor/geometry/shape.h"
-#include "tccm_monitor/time.h"
+#include "geometry/shape.h"
+#include "time.h"
 
 namespace tccm::simulation {
 

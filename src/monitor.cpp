@@ -1,7 +1,7 @@
-#include "tccm_monitor/monitor.h"
+#include "monitor.h"
 
-#include "tccm_monitor/config_error.h"
-#include "tccm_monitor/stopwatch.h"
+#include "config_error.h"
+#include "stopwatch.h"
 
 namespace tccm {
 

@@ -1,12 +1,12 @@
-#include "tccm_monitor/monitor.h"
+#include "monitor.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
+#include "config_error.h"
 #include "support/tiny_robot.h"
-#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -1,4 +1,4 @@
-#include "tccm_monitor/time.h"
+#include "time.h"
 
 #include <gtest/gtest.h>
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "tccm_monitor/ros/conversions.h"
-#include "tccm_monitor/stopwatch.h"
+#include "ros/conversions.h"
+#include "stopwatch.h"
 
 namespace tccm {
 namespace {

@@ -13,10 +13,10 @@
 #include <string>
 #include <vector>
 
-#include "tccm_monitor/monitor.h"
-#include "tccm_monitor/ros/scan_source.h"
-#include "tccm_monitor/ros/settings.h"
-#include "tccm_monitor/ros/transform_history.h"
+#include "monitor.h"
+#include "ros/scan_source.h"
+#include "ros/settings.h"
+#include "ros/transform_history.h"
 
 namespace tccm {
 

@@ -8,12 +8,12 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "config_error.h"
+#include "fit/primitives_file.h"
 #include "fit_table.h"
 #include "program.h"
-#include "tccm_monitor/config_error.h"
-#include "tccm_monitor/robot/kinematics.h"
-#include "tccm_monitor/robot/primitives_file.h"
-#include "tccm_monitor/ros/settings.h"
+#include "robot/kinematics.h"
+#include "ros/settings.h"
 
 namespace tccm {
 namespace {

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "tccm_monitor/ros/resources.h"
+#include "ros/resources.h"
 
 namespace tccm {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "tccm_monitor/robot/kinematics.h"
+#include "robot/kinematics.h"
 
 namespace tccm::simulation {
 

@@ -1,9 +1,9 @@
-#include "tccm_monitor/check/check_inputs.h"
+#include "check/check_inputs.h"
 
 #include <algorithm>
 #include <cstdio>
 
-#include "tccm_monitor/config_error.h"
+#include "config_error.h"
 
 namespace tccm {
 namespace {

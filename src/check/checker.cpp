@@ -1,11 +1,11 @@
-#include "tccm_monitor/check/checker.h"
+#include "check/checker.h"
 
 #include <algorithm>
 #include <cstdio>
 
-#include "tccm_monitor/check/self_test.h"
-#include "tccm_monitor/config_error.h"
-#include "tccm_monitor/stopwatch.h"
+#include "check/self_test.h"
+#include "config_error.h"
+#include "stopwatch.h"
 
 namespace tccm {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tccm_monitor/check/checker.h"
+#include "check/checker.h"
 
 namespace tccm {
 namespace {

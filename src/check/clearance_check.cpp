@@ -1,9 +1,9 @@
-#include "tccm_monitor/check/clearance_check.h"
+#include "check/clearance_check.h"
 
 #include <algorithm>
 #include <limits>
 
-#include "nearest_cuboid.h"
+#include "check/nearest_cuboid.h"
 
 namespace tccm {
 namespace {

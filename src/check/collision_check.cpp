@@ -1,10 +1,10 @@
-#include "tccm_monitor/check/collision_check.h"
+#include "check/collision_check.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "tccm_monitor/config_error.h"
-#include "tccm_monitor/geometry/overlap.h"
+#include "config_error.h"
+#include "geometry/overlap.h"
 
 namespace tccm {
 

@@ -1,9 +1,9 @@
-#include "tccm_monitor/check/commanded_trajectories.h"
+#include "check/commanded_trajectories.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "tccm_monitor/config_error.h"
+#include "config_error.h"
 
 namespace tccm {
 namespace {

@@ -1,9 +1,9 @@
-#include "tccm_monitor/check/evidence_check.h"
+#include "check/evidence_check.h"
 
 #include <algorithm>
 #include <array>
 
-#include "tccm_monitor/config_error.h"
+#include "config_error.h"
 
 namespace tccm {
 namespace {

@@ -1,8 +1,8 @@
-#include "tccm_monitor/check/exemptions.h"
+#include "check/exemptions.h"
 
 #include <algorithm>
 
-#include "tccm_monitor/config_error.h"
+#include "config_error.h"
 
 namespace tccm {
 namespace {

@@ -1,9 +1,9 @@
-#include "tccm_monitor/check/governed_speed.h"
+#include "check/governed_speed.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "tccm_monitor/config_error.h"
+#include "config_error.h"
 
 namespace tccm {
 namespace {
@@ -182,8 +182,7 @@ bool GovernedSpeed::isBehindAnother(const Track& track, const Vector3& p_fixed) 
     if (way.dot(other.velocity) < kSameWay * speed * way.norm()) return false;
     const Pose& T_fixed_other = kinematics_.shapePoses()[other.shape];
     const Shape& shape = model_->shapes()[other.shape].shape;
-    return distance(shape, T_fixed_other.inverse() * p_fixed) <
-           config_.appear_distance_m - kNearer;
+    return distance(shape, T_fixed_other.inverse() * p_fixed) < config_.appear_distance_m - kNearer;
   });
 }
 

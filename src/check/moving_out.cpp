@@ -1,10 +1,10 @@
-#include "tccm_monitor/check/moving_out.h"
+#include "check/moving_out.h"
 
 #include <algorithm>
 #include <limits>
 
-#include "tccm_monitor/geometry/distance.h"
-#include "used_body.h"
+#include "check/used_body.h"
+#include "geometry/distance.h"
 
 namespace tccm {
 namespace {

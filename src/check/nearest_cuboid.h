@@ -7,8 +7,8 @@
 #include <limits>
 #include <optional>
 
-#include "tccm_monitor/geometry/distance.h"
-#include "tccm_monitor/map/cuboid_map.h"
+#include "geometry/distance.h"
+#include "map/cuboid_map.h"
 
 namespace tccm {
 

@@ -1,4 +1,4 @@
-#include "tccm_monitor/check/obeyed_scale.h"
+#include "check/obeyed_scale.h"
 
 #include <algorithm>
 

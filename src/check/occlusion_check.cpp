@@ -1,8 +1,8 @@
-#include "tccm_monitor/check/occlusion_check.h"
+#include "check/occlusion_check.h"
 
 #include <algorithm>
 
-#include "tccm_monitor/config_error.h"
+#include "config_error.h"
 
 namespace tccm {
 

@@ -1,8 +1,8 @@
-#include "tccm_monitor/check/permission.h"
+#include "check/permission.h"
 
 #include <algorithm>
 
-#include "tccm_monitor/config_error.h"
+#include "config_error.h"
 
 namespace tccm {
 namespace {

@@ -1,10 +1,10 @@
-#include "tccm_monitor/check/pose_check.h"
+#include "check/pose_check.h"
 
 #include <algorithm>
 
-#include "tccm_monitor/config_error.h"
-#include "tccm_monitor/stopwatch.h"
-#include "used_body.h"
+#include "check/used_body.h"
+#include "config_error.h"
+#include "stopwatch.h"
 
 namespace tccm {
 namespace {

@@ -1,8 +1,8 @@
-#include "tccm_monitor/check/self_test.h"
+#include "check/self_test.h"
 
 #include <algorithm>
 
-#include "tccm_monitor/robot/kinematics.h"
+#include "robot/kinematics.h"
 
 namespace tccm {
 namespace {

@@ -1,10 +1,10 @@
-#include "tccm_monitor/check/trajectory_check.h"
+#include "check/trajectory_check.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
-#include "tccm_monitor/config_error.h"
+#include "config_error.h"
 
 namespace tccm {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "tccm_monitor/robot/robot_model.h"
+#include "robot/robot_model.h"
 
 namespace tccm {
 

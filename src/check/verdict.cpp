@@ -1,4 +1,4 @@
-#include "tccm_monitor/check/verdict.h"
+#include "check/verdict.h"
 
 namespace tccm {
 

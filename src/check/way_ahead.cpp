@@ -1,8 +1,8 @@
-#include "tccm_monitor/check/way_ahead.h"
+#include "check/way_ahead.h"
 
 #include <algorithm>
 
-#include "tccm_monitor/config_error.h"
+#include "config_error.h"
 
 namespace tccm {
 namespace {

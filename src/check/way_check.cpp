@@ -1,13 +1,13 @@
-#include "tccm_monitor/check/way_check.h"
+#include "check/way_check.h"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 
-#include "nearest_cuboid.h"
-#include "tccm_monitor/geometry/distance.h"
-#include "tccm_monitor/geometry/overlap.h"
-#include "used_body.h"
+#include "check/nearest_cuboid.h"
+#include "check/used_body.h"
+#include "geometry/distance.h"
+#include "geometry/overlap.h"
 
 namespace tccm {
 namespace {

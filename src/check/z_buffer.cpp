@@ -1,10 +1,10 @@
-#include "tccm_monitor/check/z_buffer.h"
+#include "check/z_buffer.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "solid_view.h"
+#include "check/solid_view.h"
 
 namespace tccm {
 namespace {

@@ -1,11 +1,11 @@
-#include "tccm_monitor/geometry/distance.h"
+#include "geometry/distance.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
-#include "segment_box.h"
+#include "geometry/segment_box.h"
 
 namespace tccm {
 namespace {

@@ -1,10 +1,10 @@
-#include "tccm_monitor/geometry/overlap.h"
+#include "geometry/overlap.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "segment_box.h"
+#include "geometry/segment_box.h"
 
 namespace tccm {
 namespace {

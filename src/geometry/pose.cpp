@@ -1,4 +1,4 @@
-#include "tccm_monitor/geometry/pose.h"
+#include "geometry/pose.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
-#include "tccm_monitor/geometry/ray.h"
+#include "geometry/ray.h"
 
 #include <algorithm>
 
-#include "tccm_monitor/geometry/line_span.h"
+#include "geometry/line_span.h"
 
 namespace tccm {
 

@@ -1,9 +1,9 @@
-#include "tccm_monitor/geometry/shape.h"
+#include "geometry/shape.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "tccm_monitor/config_error.h"
+#include "config_error.h"
 
 namespace tccm {
 namespace {

@@ -1,4 +1,4 @@
-#include "tccm_monitor/map/columns.h"
+#include "map/columns.h"
 
 #include <algorithm>
 #include <cassert>

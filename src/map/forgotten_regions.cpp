@@ -1,4 +1,4 @@
-#include "tccm_monitor/map/forgotten_regions.h"
+#include "map/forgotten_regions.h"
 
 #include <algorithm>
 

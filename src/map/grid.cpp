@@ -1,10 +1,10 @@
-#include "tccm_monitor/map/grid.h"
+#include "map/grid.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "tccm_monitor/config_error.h"
+#include "config_error.h"
 
 namespace tccm {
 namespace {

@@ -1,10 +1,10 @@
-#include "tccm_monitor/map/integration_map.h"
+#include "map/integration_map.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "tccm_monitor/config_error.h"
-#include "tccm_monitor/map/scan_batch.h"
+#include "config_error.h"
+#include "map/scan_batch.h"
 
 namespace tccm {
 namespace {

@@ -1,4 +1,4 @@
-#include "tccm_monitor/map/place_ages.h"
+#include "map/place_ages.h"
 
 #include <algorithm>
 #include <cmath>

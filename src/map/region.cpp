@@ -1,8 +1,8 @@
-#include "tccm_monitor/map/region.h"
+#include "map/region.h"
 
 #include <string>
 
-#include "tccm_monitor/config_error.h"
+#include "config_error.h"
 
 namespace tccm {
 namespace {

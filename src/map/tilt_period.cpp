@@ -1,8 +1,8 @@
-#include "tccm_monitor/map/tilt_period.h"
+#include "map/tilt_period.h"
 
 #include <algorithm>
 
-#include "tccm_monitor/config_error.h"
+#include "config_error.h"
 
 namespace tccm {
 

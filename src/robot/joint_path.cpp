@@ -1,4 +1,4 @@
-#include "tccm_monitor/robot/joint_path.h"
+#include "robot/joint_path.h"
 
 #include <algorithm>
 #include <cassert>

@@ -1,11 +1,11 @@
-#include "tccm_monitor/robot/joint_states.h"
+#include "robot/joint_states.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 
-#include "tccm_monitor/config_error.h"
+#include "config_error.h"
 
 namespace tccm {
 namespace {

@@ -1,11 +1,11 @@
-#include "joint_tree.h"
+#include "robot/joint_tree.h"
 
 #include <cmath>
 #include <map>
 #include <set>
 
-#include "tccm_monitor/config_error.h"
-#include "urdf_reader.h"
+#include "config_error.h"
+#include "robot/urdf_reader.h"
 
 namespace tccm {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tccm_monitor/robot/robot_model.h"
+#include "robot/robot_model.h"
 
 namespace tccm {
 

@@ -1,4 +1,4 @@
-#include "tccm_monitor/robot/kinematics.h"
+#include "robot/kinematics.h"
 
 #include <cassert>
 

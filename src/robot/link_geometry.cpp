@@ -1,10 +1,10 @@
-#include "link_geometry.h"
+#include "robot/link_geometry.h"
 
 #include <cstdio>
 #include <utility>
 
-#include "tccm_monitor/config_error.h"
-#include "urdf_reader.h"
+#include "config_error.h"
+#include "robot/urdf_reader.h"
 
 namespace tccm {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "tccm_monitor/robot/fit_cache.h"
-#include "tccm_monitor/robot/primitives_file.h"
-#include "tccm_monitor/robot/robot_model.h"
+#include "fit/fit_cache.h"
+#include "fit/primitives_file.h"
+#include "robot/robot_model.h"
 
 namespace tccm {
 

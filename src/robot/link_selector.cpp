@@ -1,10 +1,10 @@
-#include "tccm_monitor/robot/link_selector.h"
+#include "robot/link_selector.h"
 
 #include <fnmatch.h>
 
 #include <algorithm>
 
-#include "tccm_monitor/config_error.h"
+#include "config_error.h"
 
 namespace tccm {
 namespace {

@@ -1,6 +1,6 @@
-#include "tccm_monitor/robot/link_use.h"
+#include "robot/link_use.h"
 
-#include "tccm_monitor/config_error.h"
+#include "config_error.h"
 
 namespace tccm {
 

@@ -1,4 +1,4 @@
-#include "tccm_monitor/robot/motion_bound.h"
+#include "robot/motion_bound.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,14 +1,14 @@
-#include "tccm_monitor/robot/robot_model.h"
+#include "robot/robot_model.h"
 
 #include <algorithm>
 #include <map>
 #include <sstream>
 
-#include "joint_tree.h"
-#include "link_geometry.h"
-#include "printable.h"
-#include "tccm_monitor/config_error.h"
-#include "urdf_reader.h"
+#include "config_error.h"
+#include "mesh/printable.h"
+#include "robot/joint_tree.h"
+#include "robot/link_geometry.h"
+#include "robot/urdf_reader.h"
 
 namespace tccm {
 namespace {

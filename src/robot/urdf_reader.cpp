@@ -1,4 +1,4 @@
-#include "urdf_reader.h"
+#include "robot/urdf_reader.h"
 
 #include <console_bridge/console.h>
 #include <tinyxml2.h>
@@ -10,9 +10,9 @@
 #include <mutex>
 #include <set>
 
-#include "tccm_monitor/config_error.h"
-#include "tccm_monitor/geometry/pose.h"
-#include "xml_limits.h"
+#include "config_error.h"
+#include "geometry/pose.h"
+#include "robot/xml_limits.h"
 
 namespace tccm {
 namespace {

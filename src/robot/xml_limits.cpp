@@ -1,4 +1,4 @@
-#include "xml_limits.h"
+#include "robot/xml_limits.h"
 
 #include <algorithm>
 #include <cctype>

@@ -1,4 +1,4 @@
-#include "tccm_monitor/ros/conversions.h"
+#include "ros/conversions.h"
 
 #include <sensor_msgs/point_cloud2_iterator.h>
 
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "tccm_monitor/config_error.h"
-#include "tccm_monitor/monitor.h"
+#include "config_error.h"
+#include "monitor.h"
 
 namespace tccm {
 namespace {

@@ -1,8 +1,8 @@
-#include "tccm_monitor/ros/parameters.h"
+#include "ros/parameters.h"
 
 #include <ros/node_handle.h>
 
-#include "tccm_monitor/config_error.h"
+#include "config_error.h"
 
 namespace tccm {
 namespace {

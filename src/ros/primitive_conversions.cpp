@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "tccm_monitor/config_error.h"
-#include "tccm_monitor/ros/conversions.h"
+#include "config_error.h"
+#include "ros/conversions.h"
 
 namespace tccm {
 namespace {

@@ -1,4 +1,4 @@
-#include "tccm_monitor/ros/resources.h"
+#include "ros/resources.h"
 
 #include <ros/package.h>
 
@@ -14,8 +14,8 @@
 #include <system_error>
 #include <vector>
 
-#include "tccm_monitor/config_error.h"
-#include "tccm_monitor/robot/mesh_file.h"
+#include "config_error.h"
+#include "mesh/mesh_file.h"
 
 namespace tccm {
 namespace {

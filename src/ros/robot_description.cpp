@@ -1,4 +1,4 @@
-#include "tccm_monitor/ros/robot_description.h"
+#include "ros/robot_description.h"
 
 #include <ros/console.h>
 #include <ros/param.h>
@@ -6,10 +6,10 @@
 #include <map>
 #include <mutex>
 
-#include "tccm_monitor/config_error.h"
-#include "tccm_monitor/ros/refusal.h"
-#include "tccm_monitor/ros/resources.h"
-#include "tccm_monitor/ros/settings.h"
+#include "config_error.h"
+#include "nodelets/refusal.h"
+#include "ros/resources.h"
+#include "ros/settings.h"
 
 namespace tccm {
 namespace {

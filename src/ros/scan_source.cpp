@@ -1,8 +1,8 @@
-#include "tccm_monitor/ros/scan_source.h"
+#include "ros/scan_source.h"
 
 #include <utility>
 
-#include "tccm_monitor/scan/projection.h"
+#include "scan/projection.h"
 
 namespace tccm {
 namespace {

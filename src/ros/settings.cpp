@@ -1,6 +1,6 @@
-#include "tccm_monitor/ros/settings.h"
+#include "ros/settings.h"
 
-#include "tccm_monitor/config_error.h"
+#include "config_error.h"
 
 namespace tccm {
 namespace {

@@ -1,4 +1,4 @@
-#include "tccm_monitor/ros/transform_history.h"
+#include "ros/transform_history.h"
 
 #include <tf2/exceptions.h>
 #include <tf2_eigen/tf2_eigen.h>
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "tccm_monitor/ros/conversions.h"
+#include "ros/conversions.h"
 
 namespace tccm {
 namespace {

@@ -1,4 +1,4 @@
-#include "tccm_monitor/ros/transform_listener.h"
+#include "ros/transform_listener.h"
 
 #include <utility>
 

@@ -1,9 +1,9 @@
-#include "tccm_monitor/scan/body_filter.h"
+#include "scan/body_filter.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "tccm_monitor/config_error.h"
+#include "config_error.h"
 
 namespace tccm {
 namespace {

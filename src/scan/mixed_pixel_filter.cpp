@@ -1,6 +1,6 @@
-#include "tccm_monitor/scan/mixed_pixel_filter.h"
+#include "scan/mixed_pixel_filter.h"
 
-#include "tccm_monitor/config_error.h"
+#include "config_error.h"
 
 namespace tccm {
 

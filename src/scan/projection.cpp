@@ -1,4 +1,4 @@
-#include "tccm_monitor/scan/projection.h"
+#include "scan/projection.h"
 
 #include <algorithm>
 #include <cmath>

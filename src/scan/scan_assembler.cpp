@@ -1,7 +1,7 @@
-#include "tccm_monitor/scan/scan_assembler.h"
+#include "scan/scan_assembler.h"
 
-#include "tccm_monitor/config_error.h"
-#include "tccm_monitor/scan/projection.h"
+#include "config_error.h"
+#include "scan/projection.h"
 
 namespace tccm {
 

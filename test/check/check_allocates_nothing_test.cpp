@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "check/checker.h"
 #include "support/table_scene.h"
-#include "tccm_monitor/check/checker.h"
 
 namespace {
 

@@ -1,6 +1,6 @@
 /// What scans do before they reach the map; all else that is missing is asked of Checker's tests.
 
-#include "tccm_monitor/check/check_inputs.h"
+#include "check/check_inputs.h"
 
 #include <gtest/gtest.h>
 

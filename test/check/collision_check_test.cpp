@@ -1,13 +1,13 @@
-#include "tccm_monitor/check/collision_check.h"
+#include "check/collision_check.h"
 
 #include <gtest/gtest.h>
 
 #include <set>
 
+#include "config_error.h"
+#include "geometry/overlap.h"
 #include "support/cuboid_scene.h"
 #include "support/fcl_overlap.h"
-#include "tccm_monitor/config_error.h"
-#include "tccm_monitor/geometry/overlap.h"
 
 namespace tccm {
 namespace {

@@ -1,9 +1,9 @@
-#include "tccm_monitor/check/commanded_trajectories.h"
+#include "check/commanded_trajectories.h"
 
 #include <gtest/gtest.h>
 
+#include "config_error.h"
 #include "support/tiny_robot.h"
-#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

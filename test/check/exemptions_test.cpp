@@ -1,4 +1,4 @@
-#include "tccm_monitor/check/exemptions.h"
+#include "check/exemptions.h"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
+#include "config_error.h"
 #include "support/checker_fixture.h"
 #include "support/refusal.h"
-#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -1,4 +1,4 @@
-#include "tccm_monitor/check/moving_out.h"
+#include "check/moving_out.h"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
-#include "tccm_monitor/check/occlusion_check.h"
+#include "check/occlusion_check.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <map>
 
+#include "config_error.h"
+#include "geometry/ray.h"
 #include "support/cuboid_scene.h"
-#include "tccm_monitor/config_error.h"
-#include "tccm_monitor/geometry/ray.h"
 
 namespace tccm {
 namespace {

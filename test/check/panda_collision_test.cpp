@@ -9,12 +9,12 @@
 #include <memory>
 #include <set>
 
+#include "check/pose_check.h"
+#include "ros/resources.h"
 #include "support/cuboid_scene.h"
 #include "support/exact_robot.h"
 #include "support/fcl_overlap.h"
 #include "support/random.h"
-#include "tccm_monitor/check/pose_check.h"
-#include "tccm_monitor/ros/resources.h"
 
 namespace tccm {
 namespace {

@@ -1,11 +1,11 @@
-#include "tccm_monitor/check/pose_check.h"
+#include "check/pose_check.h"
 
 #include <gtest/gtest.h>
 
+#include "config_error.h"
 #include "support/cuboid_scene.h"
 #include "support/near.h"
 #include "support/tiny_robot.h"
-#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

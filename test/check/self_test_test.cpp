@@ -1,12 +1,12 @@
-#include "tccm_monitor/check/self_test.h"
+#include "check/self_test.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
+#include "check/checker.h"
 #include "simulation/robot/dual_arm.h"
 #include "support/tiny_robot.h"
-#include "tccm_monitor/check/checker.h"
 
 namespace tccm {
 namespace {

@@ -10,10 +10,10 @@
 #include <optional>
 #include <vector>
 
+#include "check/trajectory_check.h"
+#include "robot/kinematics.h"
 #include "support/fcl_overlap.h"
 #include "support/table_scene.h"
-#include "tccm_monitor/check/trajectory_check.h"
-#include "tccm_monitor/robot/kinematics.h"
 
 namespace tccm {
 namespace {

@@ -1,10 +1,10 @@
-#include "tccm_monitor/check/trajectory_check.h"
+#include "check/trajectory_check.h"
 
 #include <algorithm>
 #include <limits>
 
+#include "config_error.h"
 #include "support/checker_fixture.h"
-#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -1,11 +1,11 @@
 /// Levels by time to contact, through the Checker that acts on them.
 
-#include "tccm_monitor/check/way_ahead.h"
+#include "check/way_ahead.h"
 
 #include <cmath>
 
+#include "config_error.h"
 #include "support/checker_fixture.h"
-#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "check/way_check.h"
+#include "geometry/overlap.h"
 #include "simulation/robot/dual_arm.h"
 #include "support/cuboid_scene.h"
 #include "support/tiny_robot.h"
-#include "tccm_monitor/check/way_check.h"
-#include "tccm_monitor/geometry/overlap.h"
 
 namespace tccm {
 namespace {

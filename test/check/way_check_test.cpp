@@ -1,15 +1,15 @@
-#include "tccm_monitor/check/way_check.h"
+#include "check/way_check.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "check/pose_check.h"
+#include "config_error.h"
+#include "geometry/overlap.h"
 #include "simulation/robot/dual_arm.h"
 #include "support/checker_fixture.h"
-#include "tccm_monitor/check/pose_check.h"
-#include "tccm_monitor/config_error.h"
-#include "tccm_monitor/geometry/overlap.h"
 
 namespace tccm {
 namespace {

@@ -1,11 +1,11 @@
-#include "tccm_monitor/check/z_buffer.h"
+#include "check/z_buffer.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "geometry/ray.h"
 #include "support/cuboid_scene.h"
-#include "tccm_monitor/geometry/ray.h"
 
 namespace tccm {
 namespace {

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "fit/primitive_fit.h"
 #include "fuzz/promises.h"
-#include "tccm_monitor/robot/mesh_file.h"
-#include "tccm_monitor/robot/primitive_fit.h"
+#include "mesh/mesh_file.h"
 
 /// What the fuzz target of readMesh() and the test of its corpus do with an input: a byte that
 /// chooses the format, and a file.

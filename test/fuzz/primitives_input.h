@@ -2,8 +2,8 @@
 
 #include <string>
 
+#include "fit/primitives_file.h"
 #include "fuzz/promises.h"
-#include "tccm_monitor/robot/primitives_file.h"
 
 /// What the fuzz target of readPrimitives() and the test of its corpus do with an input.
 namespace tccm::test {

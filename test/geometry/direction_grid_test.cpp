@@ -1,4 +1,4 @@
-#include "tccm_monitor/geometry/direction_grid.h"
+#include "geometry/direction_grid.h"
 
 #include <gtest/gtest.h>
 

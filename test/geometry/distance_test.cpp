@@ -1,4 +1,4 @@
-#include "tccm_monitor/geometry/distance.h"
+#include "geometry/distance.h"
 
 #include <fcl/narrowphase/distance.h>
 #include <gtest/gtest.h>
@@ -6,9 +6,9 @@
 #include <limits>
 #include <sstream>
 
+#include "geometry/overlap.h"
 #include "support/fcl_overlap.h"
 #include "support/random.h"
-#include "tccm_monitor/geometry/overlap.h"
 
 namespace tccm {
 namespace {

@@ -1,4 +1,4 @@
-#include "tccm_monitor/geometry/line_span.h"
+#include "geometry/line_span.h"
 
 #include <gtest/gtest.h>
 

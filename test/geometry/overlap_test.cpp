@@ -1,4 +1,4 @@
-#include "tccm_monitor/geometry/overlap.h"
+#include "geometry/overlap.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tccm_monitor/geometry/ray.h"
+#include "geometry/ray.h"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "geometry/distance.h"
 #include "support/random.h"
-#include "tccm_monitor/geometry/distance.h"
 
 namespace tccm {
 namespace {

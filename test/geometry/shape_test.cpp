@@ -1,13 +1,13 @@
-#include "tccm_monitor/geometry/shape.h"
+#include "geometry/shape.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
+#include "config_error.h"
 #include "support/geometric_shapes_body.h"
 #include "support/near.h"
 #include "support/random.h"
-#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -1,4 +1,4 @@
-#include "tccm_monitor/map/cuboid_map.h"
+#include "map/cuboid_map.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tccm_monitor/map/held_layer.h"
+#include "map/held_layer.h"
 
 #include <gtest/gtest.h>
 

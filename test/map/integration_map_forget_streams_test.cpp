@@ -7,10 +7,10 @@
 #include <deque>
 #include <limits>
 
+#include "map/integration_map.h"
 #include "support/birth_array.h"
 #include "support/part_union.h"
 #include "support/random.h"
-#include "tccm_monitor/map/integration_map.h"
 
 namespace tccm {
 namespace {

@@ -8,12 +8,12 @@
 #include <limits>
 #include <optional>
 
+#include "map/integration_map.h"
 #include "support/birth_array.h"
 #include "support/literal_map.h"
 #include "support/part_union.h"
 #include "support/random.h"
 #include "support/shared_data.h"
-#include "tccm_monitor/map/integration_map.h"
 
 namespace tccm {
 namespace {

@@ -1,4 +1,4 @@
-#include "tccm_monitor/map/integration_map.h"
+#include "map/integration_map.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <limits>
 #include <new>
 
+#include "config_error.h"
 #include "support/part_union.h"
 #include "support/random.h"
-#include "tccm_monitor/config_error.h"
 
 namespace {
 std::atomic<std::size_t> allocations{0};

@@ -5,8 +5,8 @@
 #include <set>
 #include <utility>
 
+#include "map/mapper.h"
 #include "support/random.h"
-#include "tccm_monitor/map/mapper.h"
 
 namespace tccm {
 namespace {

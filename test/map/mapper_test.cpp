@@ -1,11 +1,11 @@
-#include "tccm_monitor/map/mapper.h"
+#include "map/mapper.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "tccm_monitor/config_error.h"
+#include "config_error.h"
 
 namespace tccm {
 namespace {

@@ -1,4 +1,4 @@
-#include "tccm_monitor/map/part_map_ring.h"
+#include "map/part_map_ring.h"
 
 #include <gtest/gtest.h>
 

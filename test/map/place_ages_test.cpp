@@ -1,5 +1,5 @@
 // For how long cuboids have been where they are, as a laser sees them that tilts over a table.
-#include "tccm_monitor/map/place_ages.h"
+#include "map/place_ages.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <random>
 #include <vector>
 
-#include "tccm_monitor/geometry/ray.h"
-#include "tccm_monitor/map/mapper.h"
+#include "geometry/ray.h"
+#include "map/mapper.h"
 
 namespace tccm {
 namespace {

@@ -1,12 +1,12 @@
-#include "tccm_monitor/map/region.h"
+#include "map/region.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <string>
 
+#include "config_error.h"
 #include "support/random.h"
-#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -1,4 +1,4 @@
-#include "tccm_monitor/map/return_counts.h"
+#include "map/return_counts.h"
 
 #include <gtest/gtest.h>
 

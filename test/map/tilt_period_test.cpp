@@ -1,4 +1,4 @@
-#include "tccm_monitor/map/tilt_period.h"
+#include "map/tilt_period.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <functional>
 #include <limits>
 
+#include "config_error.h"
 #include "support/random.h"
 #include "support/shared_data.h"
-#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -1,10 +1,10 @@
-#include "tccm_monitor/robot/body_sampler.h"
+#include "robot/body_sampler.h"
 
 #include <gtest/gtest.h>
 
+#include "config_error.h"
 #include "support/near.h"
 #include "support/tiny_robot.h"
-#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -1,13 +1,13 @@
-#include "tccm_monitor/robot/joint_states.h"
+#include "robot/joint_states.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
+#include "config_error.h"
 #include "support/random.h"
 #include "support/tiny_robot.h"
-#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

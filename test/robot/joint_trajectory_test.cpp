@@ -1,4 +1,4 @@
-#include "tccm_monitor/robot/joint_trajectory.h"
+#include "robot/joint_trajectory.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tccm_monitor/robot/kinematics.h"
+#include "robot/kinematics.h"
 
 #include <gtest/gtest.h>
 #include <urdf_model/model.h>

@@ -1,8 +1,8 @@
-#include "tccm_monitor/robot/link_selector.h"
+#include "robot/link_selector.h"
 
 #include <gtest/gtest.h>
 
-#include "tccm_monitor/config_error.h"
+#include "config_error.h"
 
 namespace tccm {
 namespace {

@@ -1,11 +1,11 @@
-#include "tccm_monitor/robot/link_use.h"
+#include "robot/link_use.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
+#include "config_error.h"
 #include "support/tiny_robot.h"
-#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -1,4 +1,4 @@
-#include "tccm_monitor/robot/motion_bound.h"
+#include "robot/motion_bound.h"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 #include <cmath>
 #include <numeric>
 
+#include "robot/kinematics.h"
 #include "simulation/robot/dual_arm.h"
 #include "support/random.h"
 #include "support/tiny_robot.h"
-#include "tccm_monitor/robot/kinematics.h"
 
 namespace tccm {
 namespace {

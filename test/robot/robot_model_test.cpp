@@ -1,15 +1,15 @@
-#include "tccm_monitor/robot/robot_model.h"
+#include "robot/robot_model.h"
 
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <sstream>
 
+#include "config_error.h"
 #include "support/near.h"
 #include "support/refusal.h"
 #include "support/shared_data.h"
 #include "support/tiny_robot.h"
-#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

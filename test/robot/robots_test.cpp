@@ -10,12 +10,12 @@
 #include <numeric>
 #include <set>
 
+#include "fit/primitives_file.h"
+#include "robot/robot_model.h"
+#include "ros/resources.h"
 #include "support/geometric_shapes_body.h"
 #include "support/random.h"
 #include "support/robot_meshes.h"
-#include "tccm_monitor/robot/primitives_file.h"
-#include "tccm_monitor/robot/robot_model.h"
-#include "tccm_monitor/ros/resources.h"
 
 namespace tccm {
 namespace {

@@ -1,4 +1,4 @@
-#include "tccm_monitor/ros/conversions.h"
+#include "ros/conversions.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
-#include "tccm_monitor/ros/parameters.h"
+#include "ros/parameters.h"
 
 #include <gtest/gtest.h>
 
 #include <functional>
 
-#include "tccm_monitor/config_error.h"
+#include "config_error.h"
 
 namespace tccm {
 namespace {

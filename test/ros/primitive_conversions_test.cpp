@@ -4,10 +4,10 @@
 
 #include <limits>
 
+#include "config_error.h"
+#include "ros/conversions.h"
 #include "support/near.h"
 #include "support/random.h"
-#include "tccm_monitor/config_error.h"
-#include "tccm_monitor/ros/conversions.h"
 
 namespace tccm {
 namespace {

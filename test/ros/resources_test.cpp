@@ -1,4 +1,4 @@
-#include "tccm_monitor/ros/resources.h"
+#include "ros/resources.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <optional>
 
+#include "config_error.h"
 #include "support/temporary_folder.h"
-#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

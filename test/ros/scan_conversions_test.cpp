@@ -3,8 +3,8 @@
 #include <cmath>
 #include <limits>
 
-#include "tccm_monitor/ros/conversions.h"
-#include "tccm_monitor/scan/projection.h"
+#include "ros/conversions.h"
+#include "scan/projection.h"
 
 namespace tccm {
 namespace {

@@ -1,11 +1,11 @@
-#include "tccm_monitor/ros/scan_source.h"
+#include "ros/scan_source.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
+#include "ros/conversions.h"
 #include "support/tiny_robot.h"
-#include "tccm_monitor/ros/conversions.h"
 
 namespace tccm {
 namespace {

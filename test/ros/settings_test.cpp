@@ -1,4 +1,4 @@
-#include "tccm_monitor/ros/settings.h"
+#include "ros/settings.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <regex>
 #include <set>
 
-#include "tccm_monitor/config_error.h"
+#include "config_error.h"
 
 namespace tccm {
 namespace {

@@ -1,12 +1,12 @@
-#include "tccm_monitor/ros/transform_history.h"
+#include "ros/transform_history.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
+#include "ros/conversions.h"
 #include "support/near.h"
-#include "tccm_monitor/ros/conversions.h"
 
 namespace tccm {
 namespace {

@@ -1,4 +1,4 @@
-#include "tccm_monitor/scan/assembled_scan.h"
+#include "scan/assembled_scan.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tccm_monitor/scan/body_filter.h"
+#include "scan/body_filter.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "config_error.h"
 #include "support/random.h"
-#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

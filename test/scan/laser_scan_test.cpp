@@ -1,4 +1,4 @@
-#include "tccm_monitor/scan/laser_scan.h"
+#include "scan/laser_scan.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
-#include "tccm_monitor/scan/mixed_pixel_filter.h"
+#include "scan/mixed_pixel_filter.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <limits>
 
+#include "config_error.h"
 #include "support/random.h"
-#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -1,4 +1,4 @@
-#include "tccm_monitor/scan/projection.h"
+#include "scan/projection.h"
 
 #include <gtest/gtest.h>
 #include <laser_geometry/laser_geometry.h>

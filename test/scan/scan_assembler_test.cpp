@@ -1,10 +1,10 @@
-#include "tccm_monitor/scan/scan_assembler.h"
+#include "scan/scan_assembler.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "tccm_monitor/config_error.h"
+#include "config_error.h"
 
 namespace tccm {
 namespace {

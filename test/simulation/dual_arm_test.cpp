@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tccm_monitor/robot/kinematics.h"
+#include "robot/kinematics.h"
 
 namespace tccm::simulation {
 namespace {

@@ -5,10 +5,10 @@
 #include <limits>
 #include <memory>
 
+#include "check/checker.h"
 #include "support/cuboid_scene.h"
 #include "support/look_around.h"
 #include "support/tiny_robot.h"
-#include "tccm_monitor/check/checker.h"
 
 namespace tccm::test {
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "map/cuboid_map.h"
 #include "support/random.h"
-#include "tccm_monitor/map/cuboid_map.h"
 
 namespace tccm::test {
 

@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "tccm_monitor/geometry/shape.h"
+#include "geometry/shape.h"
 
 namespace tccm::test {
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <variant>
 
-#include "tccm_monitor/geometry/shape.h"
+#include "geometry/shape.h"
 
 namespace tccm::test {
 

@@ -6,7 +6,7 @@
 #include <map>
 #include <vector>
 
-#include "tccm_monitor/map/part_map_ring.h"
+#include "map/part_map_ring.h"
 
 namespace tccm::test {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "tccm_monitor/geometry/ray.h"
-#include "tccm_monitor/map/cuboid_map.h"
+#include "geometry/ray.h"
+#include "map/cuboid_map.h"
 
 namespace tccm::test {
 

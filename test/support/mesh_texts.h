@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tccm_monitor/geometry/pose.h"
+#include "geometry/pose.h"
 
 namespace tccm::test {
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tccm_monitor/geometry/pose.h"
+#include "geometry/pose.h"
 
 namespace tccm::test {
 

@@ -6,8 +6,8 @@
 #include <ostream>
 #include <vector>
 
-#include "tccm_monitor/map/cuboid_map.h"
-#include "tccm_monitor/map/part_map_ring.h"
+#include "map/cuboid_map.h"
+#include "map/part_map_ring.h"
 
 namespace tccm::test {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <random>
 
-#include "tccm_monitor/geometry/shape.h"
+#include "geometry/shape.h"
 
 namespace tccm::test {
 

@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "tccm_monitor/config_error.h"
-#include "tccm_monitor/robot/robot_model.h"
+#include "config_error.h"
+#include "robot/robot_model.h"
 
 namespace tccm::test {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tccm_monitor/geometry/mesh.h"
+#include "mesh/mesh.h"
 
 namespace tccm::test {
 

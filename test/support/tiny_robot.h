@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "tccm_monitor/robot/robot_model.h"
+#include "robot/robot_model.h"
 
 namespace tccm::test {
 

@@ -1,0 +1,159 @@
+#include <algorithm>
+#include <array>
+#include <map>
+#include <memory>
+
+#include "experiments/csv.h"
+#include "experiments/dynamic_trial.h"
+#include "experiments/experiment.h"
+#include "experiments/parallel.h"
+#include "simulation/robot/dual_arm.h"
+
+namespace tccm::simulation {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kRecallMin = 0.95;
+constexpr double kMovingStaticMax = 0.05;
+constexpr std::size_t kPhases = 4;
+const std::array<const char*, 2> kScenes = {"paper", "box"};
+
+struct DynamicOptions {
+  DynamicTrial::Config trial;
+  std::size_t trials = 100;
+};
+
+void declare(CLI::App& command, DynamicOptions& options) {
+  command.footer(
+      "The paper's Fig. 7: a sheet of paper is moved over the table, and in every other trial a\n"
+      "box is slid on it, while the arms are at rest. Which cuboids does the map take for static?\n"
+      "One comes from what stands where all its returns do, from what moves where most do.\n"
+      "Limits, for either scene: at least 95 % of those that stand are called static, and at most\n"
+      "5 % of those that move.");
+  command.option_defaults()->always_capture_default();
+  command.add_option("--trials", options.trials, "of both scenes")->check(CLI::Range(2, 1000000));
+  command.add_option("--noise-m", options.trial.scanner.noise_m, "standard deviation of a range");
+  command.add_option("--settle-s", options.trial.settle_s,
+                     "from when it begins to move to the first map judged");
+  command.add_option("--judge-s", options.trial.judge_s, "how long maps are judged");
+  command.add_option("--every", options.trial.every, "scans between maps that are judged");
+}
+
+Json toJson(const DynamicTally& tally) {
+  return {{"standing", tally.standing},
+          {"static_recall", tally.staticRecall()},
+          {"static_precision", tally.staticPrecision()},
+          {"moving", tally.moving},
+          {"moving_called_static", tally.movingStatic()},
+          {"of_both", tally.both},
+          {"of_both_called_static", tally.both_static}};
+}
+
+std::string lineOf(const std::string& what, const DynamicTally& tally) {
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "%-14s %8zu standing: %.2f %% static; %6zu moving: %.2f %% static; precision %.2f "
+                "%%; %zu of both",
+                what.c_str(), tally.standing, 100.0 * tally.staticRecall(), tally.moving,
+                100.0 * tally.movingStatic(), 100.0 * tally.staticPrecision(), tally.both);
+  return text;
+}
+
+std::string rowOf(const DynamicTrial::Result& trial) {
+  const DynamicTally& tally = trial.tally;
+  return std::to_string(trial.seed) + ',' + trial.scene.name + ',' + fixed(trial.phase, 4) + ',' +
+         fixed(trial.scene.period_s, 4) + ',' + fixed(trial.scene.height_m, 4) + ',' +
+         fixed(trial.scene.speed_mps, 3) + ',' + std::to_string(trial.maps) + ',' +
+         std::to_string(tally.standing) + ',' + std::to_string(tally.standing_static) + ',' +
+         std::to_string(tally.moving) + ',' + std::to_string(tally.moving_static) + ',' +
+         std::to_string(tally.both) + ',' + fixed(tally.staticRecall(), 4) + ',' +
+         fixed(tally.staticPrecision(), 4) + ',' + fixed(tally.movingStatic(), 4) + '\n';
+}
+
+/// The last map of the first trial of each scene, for the picture.
+std::string cuboidRows(const std::vector<DynamicTrial::Result>& trials) {
+  static const std::array<const char*, 4> kNames = {"standing", "moving", "both", "mixed"};
+  std::string rows = "scene,x,y,bottom,top,source,static\n";
+  for (const DynamicTrial::Result& trial : trials) {
+    for (const DynamicTrial::JudgedCuboid& judged : trial.cuboids) {
+      const Eigen::Vector2d centre = trial.grid.centre(judged.cuboid.cell);
+      rows += trial.scene.name + ',' + fixed(centre.x(), 3) + ',' + fixed(centre.y(), 3) + ',' +
+              fixed(trial.grid.metres(judged.cuboid.bottom), 3) + ',' +
+              fixed(trial.grid.metres(judged.cuboid.top), 3) + ',' +
+              kNames[static_cast<std::size_t>(judged.source)] + ',' +
+              (judged.called_static ? "1\n" : "0\n");
+    }
+  }
+  return rows;
+}
+
+void add(const std::vector<DynamicTrial::Result>& trials, Findings& findings) {
+  std::map<std::string, DynamicTally> by_scene;
+  std::map<std::string, std::array<DynamicTally, kPhases>> by_phase;
+  for (const DynamicTrial::Result& trial : trials) {
+    findings.simulated_s += trial.simulated_s;
+    findings.rows += rowOf(trial);
+    by_scene[trial.scene.name].add(trial.tally);
+    const auto phase = static_cast<std::size_t>(trial.phase * static_cast<double>(kPhases));
+    by_phase[trial.scene.name][std::min(phase, kPhases - 1)].add(trial.tally);
+  }
+  for (const auto& [scene, tally] : by_scene) {
+    Json& figures = findings.figures[scene] = toJson(tally);
+    findings.lines.push_back(lineOf(scene, tally));
+    for (std::size_t i = 0; i < kPhases; ++i) {
+      const DynamicTally& some = by_phase[scene][i];
+      figures["by_phase"].push_back(toJson(some));
+      findings.lines.push_back(lineOf(scene + " phase " + std::to_string(i + 1) + "/4", some));
+    }
+    if (tally.staticRecall() < kRecallMin) findings.missed.push_back(scene + " static_recall");
+    if (tally.movingStatic() > kMovingStaticMax) {
+      findings.missed.push_back(scene + " moving_called_static");
+    }
+  }
+}
+
+Findings runDynamic(DynamicOptions options, const TrialOptions& common, const Progress& progress) {
+  const MonitorSettings settings = trialSettings(common);
+  options.trial.monitor = settings.monitorConfig();
+  options.trial.static_windows = settings.mapper.static_windows;
+  options.trial.validate();
+  const auto model = std::make_shared<const RobotModel>(dualArmUrdf(), settings.robot);
+  std::vector<DynamicTrial::Result> trials(options.trials);
+  inParallel(
+      trials.size(), common.jobs,
+      [&](std::size_t i) {
+        DynamicTrial::Config config = options.trial;
+        config.keep_cuboids = i < kScenes.size();
+        trials[i] =
+            DynamicTrial(config, kScenes[i % kScenes.size()], model, seedOf(common, i)).run();
+      },
+      progress);
+  Findings findings;
+  findings.settings = {{"trials", options.trials},
+                       {"noise_m", options.trial.scanner.noise_m},
+                       {"static_windows", options.trial.static_windows},
+                       {"settle_s", options.trial.settle_s},
+                       {"judge_s", options.trial.judge_s},
+                       {"every", options.trial.every}};
+  findings.rows =
+      "seed,scene,tilt_phase,tilt_period_s,height_m,speed_mps,maps,standing,standing_static,moving,"
+      "moving_static,of_both,static_recall,static_precision,moving_called_static\n";
+  findings.files["cuboids.csv"] = cuboidRows(trials);
+  add(trials, findings);
+  return findings;
+}
+
+}  // namespace
+
+Experiment dynamicExperiment(CLI::App& app) {
+  auto options = std::make_shared<DynamicOptions>();
+  CLI::App* command =
+      app.add_subcommand("dynamic", "which parts of the map are static, and which move");
+  declare(*command, *options);
+  return {command, [options](const TrialOptions& common, const Progress& progress) {
+            return runDynamic(*options, common, progress);
+          }};
+}
+
+}  // namespace tccm::simulation

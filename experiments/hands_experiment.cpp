@@ -1,0 +1,199 @@
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "experiments/csv.h"
+#include "experiments/experiment.h"
+#include "experiments/parallel.h"
+#include "experiments/stopping_trial.h"
+#include "simulation/robot/dual_arm.h"
+
+namespace tccm::simulation {
+namespace {
+
+using Outcome = StoppingTrial::Outcome;
+
+constexpr double kRest = 0.005;  // [m/s]; a palm that is slower stands
+
+/// Where a hand comes from: counterclockwise from the heading of the robot's [rad].
+struct Side {
+  const char* name;
+  std::array<double, 2> from_rad;
+};
+
+/// The right, where a person stands before the robot, and behind.
+constexpr std::array<Side, 2> kSides = {{{"side", {-1.97, -1.17}}, {"behind", {-3.0, -2.2}}}};
+
+struct HandsOptions {
+  StoppingTrial::Config trial;
+  std::size_t trials = 60;
+  std::vector<double> hand_speeds_mps = {0.5, 1.0, 1.6};
+  std::vector<double> tilt_periods_s = {1.575, 3.15};
+  std::vector<double> speeds_mps = {0.1, 0.25, 0.4};
+};
+
+void declare(CLI::App& command, HandsOptions& options) {
+  command.footer(
+      "A person's hand reaches for the robot's while that moves over a table, from 0.4 m away, "
+      "from\n"
+      "the side or from behind. Who reaches for a robot touches it in the end: what counts is\n"
+      "whether the permission went before, and whether the arm stood by then. No limits.");
+  command.option_defaults()->always_capture_default();
+  command.add_option("--trials", options.trials, "for each side, speed of the hand and period")
+      ->check(CLI::Range(1, 100000));
+  command.add_option("--hand-speeds", options.hand_speeds_mps, "of the person's hand [m/s]")
+      ->delimiter(',')
+      ->check(CLI::Range(0.1, 10.0));
+  command.add_option("--tilt-periods", options.tilt_periods_s, "[s]")
+      ->delimiter(',')
+      ->check(CLI::Range(0.2, 20.0));
+  command.add_option("--speeds", options.speeds_mps, "of the robot's hand, in turn [m/s]")
+      ->delimiter(',')
+      ->check(CLI::Range(0.01, 2.0));
+  command.add_option("--noise-m", options.trial.scanner.noise_m, "standard deviation of a range");
+  command.add_option("--latency-s", options.trial.controller.latency_s,
+                     "from the stop to the brake");
+  command.add_option("--deceleration", options.trial.controller.acceleration_mps2,
+                     "of the robot's hand [m/s^2]");
+}
+
+/// A trial with what it was about.
+struct Case {
+  const Side* side;
+  double hand_mps;
+  double tilt_period_s;
+  double speed_mps;
+  StoppingTrial::Result result;
+
+  [[nodiscard]] bool touched() const { return result.outcome == Outcome::kTouched; }
+  [[nodiscard]] bool seen() const {
+    return result.beam_s && (!result.contact_s || *result.beam_s < *result.contact_s);
+  }
+  /// Before the contact; without one, at all.
+  [[nodiscard]] bool stopped() const {
+    return result.stop_s && (!result.contact_s || *result.stop_s < *result.contact_s);
+  }
+  [[nodiscard]] bool touchedInMotion() const {
+    return touched() && result.contact_speed_mps > kRest;
+  }
+};
+
+std::vector<Case> casesOf(const HandsOptions& options) {
+  std::vector<Case> cases;
+  for (const double period : options.tilt_periods_s) {
+    for (const Side& side : kSides) {
+      for (const double hand : options.hand_speeds_mps) {
+        for (std::size_t i = 0; i < options.trials; ++i) {
+          cases.push_back(
+              {&side, hand, period, options.speeds_mps[i % options.speeds_mps.size()], {}});
+        }
+      }
+    }
+  }
+  return cases;
+}
+
+std::string rowOf(const Case& one) {
+  const StoppingTrial::Result& r = one.result;
+  const auto seconds = [](const std::optional<double>& s) { return s ? fixed(*s, 4) : ""; };
+  return std::to_string(r.seed) + ',' + one.side->name + ',' + fixed(*r.reaches_from_rad, 4) + ',' +
+         fixed(one.hand_mps, 3) + ',' + fixed(one.tilt_period_s, 4) + ',' +
+         fixed(one.speed_mps, 3) + ',' + fixed(r.tilt_phase, 4) + ',' + name(r.outcome) + ',' +
+         r.reason + ',' + seconds(r.beam_s) + ',' + seconds(r.stop_s) + ',' + seconds(r.contact_s) +
+         ',' + fixed(r.contact_speed_mps, 4) + '\n';
+}
+
+/// Of cases that share a period, a side and a speed of the person's hand.
+struct Tally {
+  std::size_t trials = 0, seen = 0, stopped = 0, touched = 0, touched_in_motion = 0;
+  double fastest_contact_mps = 0.0;
+
+  void add(const Case& one) {
+    ++trials;
+    seen += one.seen() ? 1 : 0;
+    stopped += one.stopped() ? 1 : 0;
+    touched += one.touched() ? 1 : 0;
+    touched_in_motion += one.touchedInMotion() ? 1 : 0;
+    if (one.touched()) {
+      fastest_contact_mps = std::max(fastest_contact_mps, one.result.contact_speed_mps);
+    }
+  }
+};
+
+void add(const std::vector<Case>& cases, const HandsOptions& options, Findings& findings) {
+  findings.lines = {
+      "| tilt | from | hand | trials | seen before | stopped before | touched | in "
+      "motion | at most |",
+      "|---:|---|---:|---:|---:|---:|---:|---:|---:|"};
+  for (std::size_t first = 0; first < cases.size(); first += options.trials) {
+    Tally tally;
+    for (std::size_t i = first; i < first + options.trials; ++i) {
+      tally.add(cases[i]);
+      findings.rows += rowOf(cases[i]);
+      findings.simulated_s += cases[i].result.simulated_s;
+    }
+    const Case& one = cases[first];
+    findings.figures["hands"].push_back({{"tilt_period_s", one.tilt_period_s},
+                                         {"from", one.side->name},
+                                         {"hand_mps", one.hand_mps},
+                                         {"trials", tally.trials},
+                                         {"seen_before_contact", tally.seen},
+                                         {"stopped_before_contact", tally.stopped},
+                                         {"touched", tally.touched},
+                                         {"touched_in_motion", tally.touched_in_motion},
+                                         {"fastest_contact_mps", tally.fastest_contact_mps}});
+    char line[200];
+    std::snprintf(
+        line, sizeof line, "| %.3f s | %s | %.1f m/s | %zu | %zu | %zu | %zu | %zu | %.0f mm/s |",
+        one.tilt_period_s, one.side->name, one.hand_mps, tally.trials, tally.seen, tally.stopped,
+        tally.touched, tally.touched_in_motion, 1e3 * tally.fastest_contact_mps);
+    findings.lines.emplace_back(line);
+  }
+}
+
+Findings runHands(HandsOptions options, const TrialOptions& common, const Progress& progress) {
+  MonitorSettings settings = trialSettings(common);
+  options.trial.monitor = settings.monitorConfig();
+  options.trial.obstacle = ObstacleKind::kArm;
+  options.trial.validate();
+  const auto model = std::make_shared<const RobotModel>(dualArmUrdf(), settings.robot);
+  std::vector<Case> cases = casesOf(options);
+  const auto work = [&](std::size_t i) {
+    Case& one = cases[i];
+    StoppingTrial::Config config = options.trial;
+    config.obstacle_speed_mps = one.hand_mps;
+    config.tilt_period_s = one.tilt_period_s;
+    config.reaches_from_rad = one.side->from_rad;
+    config.controller.speed_mps = one.speed_mps;
+    config.controller.resume_mps2 = config.controller.acceleration_mps2;
+    one.result = StoppingTrial(config, model, seedOf(common, i)).run();
+  };
+  inParallel(cases.size(), common.jobs, work, progress);
+  Findings findings;
+  findings.settings = {{"trials", options.trials},
+                       {"hand_speeds_mps", options.hand_speeds_mps},
+                       {"tilt_periods_s", options.tilt_periods_s},
+                       {"speeds_mps", options.speeds_mps},
+                       {"noise_m", options.trial.scanner.noise_m},
+                       {"latency_s", options.trial.controller.latency_s},
+                       {"deceleration_mps2", options.trial.controller.acceleration_mps2}};
+  findings.rows =
+      "seed,from,from_rad,hand_mps,tilt_period_s,speed_mps,tilt_phase,outcome,reason,beam_s,stop_s,"
+      "contact_s,contact_speed_mps\n";
+  add(cases, options, findings);
+  return findings;
+}
+
+}  // namespace
+
+Experiment handsExperiment(CLI::App& app) {
+  auto options = std::make_shared<HandsOptions>();
+  CLI::App* command =
+      app.add_subcommand("hands", "a person's hand reaches for the robot's from side and behind");
+  declare(*command, *options);
+  return {command, [options](const TrialOptions& common, const Progress& progress) {
+            return runHands(*options, common, progress);
+          }};
+}
+
+}  // namespace tccm::simulation

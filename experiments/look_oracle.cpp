@@ -1,0 +1,120 @@
+#include "experiments/look_oracle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "config_error.h"
+#include "geometry/distance.h"
+#include "simulation/robot/dual_arm.h"
+
+namespace tccm::simulation {
+
+void LookOracle::Config::validate() const { requireInRange("angle_rad", angle_rad, 1e-4, 0.5); }
+
+LookOracle::LookOracle(const Config& config, std::shared_ptr<const RobotModel> model)
+    : config_((config.validate(), config)),
+      model_(std::move(model)),
+      sensor_(linkIndex(*model_, "laser_link")) {}
+
+void LookOracle::add(const RobotSample& sample) {
+  T_fixed_sensor_.add(sample.stamp, sample.link_poses[sensor_]);
+  Frame frame{sample.stamp, {}};
+  for (const LinkShape& shape : model_->shapes()) {
+    frame.body.shapes.push_back(shape.shape);
+    frame.body.poses.push_back(sample.link_poses[shape.link] * shape.T_link_shape);
+  }
+  frames_.push_back(std::move(frame));
+}
+
+void LookOracle::add(const LaserScan& scan, Time mapped) {
+  scans_.push_back({scan.stamp, scan.angle_min, scan.angle_increment, scan.time_increment,
+                    scan.ranges.size(), mapped});
+}
+
+std::optional<LookOracle::Look> LookOracle::firstLook(Time after, const Vector3& p_fixed) const {
+  const auto lastBeam = [](const Scan& scan) {
+    return scan.stamp + static_cast<Duration::rep>(scan.beams - 1) * scan.time_increment;
+  };
+  auto scan = std::partition_point(scans_.begin(), scans_.end(),
+                                   [&](const Scan& s) { return lastBeam(s) <= after; });
+  for (; scan != scans_.end(); ++scan) {
+    const std::optional<Time> beam = beamOf(*scan, after, p_fixed);
+    if (beam) return Look{*beam, scan->mapped};
+  }
+  return std::nullopt;
+}
+
+/// When the first beam of a scan is measured that looks at the place.
+std::optional<Time> LookOracle::beamOf(const Scan& scan, Time after, const Vector3& p_fixed) const {
+  const auto timeOf = [&](int beam) { return scan.stamp + beam * scan.time_increment; };
+  const int last = static_cast<int>(scan.beams) - 1;
+  int middle = last / 2;
+  for (int i = 0; i < 2; ++i) {
+    const std::optional<double> azimuth = azimuthAt(timeOf(middle), p_fixed);
+    if (!azimuth) return std::nullopt;
+    const double beam = std::round((*azimuth - scan.angle_min) / scan.angle_increment);
+    middle = static_cast<int>(std::clamp(beam, 0.0, static_cast<double>(last)));
+  }
+  const int within = static_cast<int>(std::ceil(config_.angle_rad / scan.angle_increment));
+  for (int beam = std::max(0, middle - within); beam <= std::min(last, middle + within); ++beam) {
+    const double angle = scan.angle_min + beam * scan.angle_increment;
+    if (timeOf(beam) > after && looks(timeOf(beam), angle, p_fixed)) return timeOf(beam);
+  }
+  return std::nullopt;
+}
+
+std::optional<double> LookOracle::azimuthAt(Time stamp, const Vector3& p_fixed) const {
+  const std::optional<Pose> T_fixed_sensor = T_fixed_sensor_.at(stamp);
+  if (!T_fixed_sensor) return std::nullopt;
+  const Vector3 p_sensor = T_fixed_sensor->inverse() * p_fixed;
+  return std::atan2(p_sensor.y(), p_sensor.x());
+}
+
+bool LookOracle::looks(Time stamp, double angle, const Vector3& p_fixed) const {
+  const std::optional<Pose> T_fixed_sensor = T_fixed_sensor_.at(stamp);
+  if (!T_fixed_sensor) return false;
+  const Vector3 way = p_fixed - T_fixed_sensor->translation();
+  const Ray ray{T_fixed_sensor->translation(),
+                T_fixed_sensor->linear() * Vector3(std::cos(angle), std::sin(angle), 0.0)};
+  return way.normalized().dot(ray.direction) >= std::cos(config_.angle_rad) &&
+         !robotStops(stamp, ray, way.norm());
+}
+
+const Body& LookOracle::bodyAt(Time stamp) const {
+  const auto after = std::partition_point(frames_.begin(), frames_.end(),
+                                          [stamp](const Frame& f) { return f.stamp < stamp; });
+  return after == frames_.end() ? frames_.back().body : after->body;
+}
+
+double LookOracle::distanceToRobot(Time stamp, const Vector3& p_fixed) const {
+  const Body& body = bodyAt(stamp);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < body.shapes.size(); ++i) {
+    least = std::min(least, distance(body.shapes[i], body.poses[i].inverse() * p_fixed));
+  }
+  return least;
+}
+
+Vector3 LookOracle::furthest(Time stamp, std::size_t shape, const Vector3& direction) const {
+  const Body& body = bodyAt(stamp);
+  return tccm::furthest(body.shapes[shape], body.poses[shape], direction);
+}
+
+double LookOracle::distanceTo(Time stamp, std::size_t shape, const Vector3& p_fixed) const {
+  const Body& body = bodyAt(stamp);
+  return distance(body.shapes[shape], body.poses[shape].inverse() * p_fixed);
+}
+
+/// Its own housing does not stop the laser.
+bool LookOracle::robotStops(Time stamp, const Ray& ray, double before_m) const {
+  const Body& body = bodyAt(stamp);
+  for (std::size_t i = 0; i < body.shapes.size(); ++i) {
+    const auto span = intersect(body.shapes[i], transformed(ray, body.poses[i].inverse()));
+    if (span && span->enter > 0.0 && span->enter < before_m) return true;
+  }
+  return false;
+}
+
+}  // namespace tccm::simulation

@@ -1,0 +1,120 @@
+#include <ros/init.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "experiments/experiment.h"
+#include "tools/program.h"
+
+namespace tccm::simulation {
+namespace {
+
+void declare(CLI::App& app, TrialOptions& options) {
+  app.footer(
+      "Every experiment runs on the monitor's own classes, in simulated time; the same seed gives\n"
+      "the same results.csv. DIR gets results.json (settings, figures, limits missed), "
+      "results.csv\n"
+      "(a row a case), timing.json (how long it took) and pictures.\n"
+      "Exit status: 0 done, 1 a limit was missed, 2 bad input.\n"
+      "Example: trials hover --trials 300 --jobs 2 --out result");
+  app.require_subcommand(1);
+  app.fallthrough();
+  app.add_option("--out", options.out, "folder for the results; made where it is not there")
+      ->required();
+  app.add_option("--seed", options.seed)->capture_default_str();
+  app.add_option("--jobs", options.jobs, "threads")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  app.add_flag("--no-pictures", options.no_pictures, "no PNG files");
+  app.add_option("--config", options.config,
+                 "YAML with the nodelets' parameters, as config/simulation.yaml; without it the "
+                 "defaults, and what the simulated robot needs");
+}
+
+void write(const TrialOptions& options, const std::string& experiment, const Findings& findings) {
+  const std::filesystem::path folder(options.out);
+  nlohmann::ordered_json results = {{"experiment", experiment}, {"seed", options.seed}};
+  results["settings"] = findings.settings;
+  results["figures"] = findings.figures;
+  results["limits_missed"] = findings.missed;
+  writeText((folder / "results.json").string(), results.dump(2) + '\n');
+  writeText((folder / "results.csv").string(), findings.rows);
+  for (const auto& [name, text] : findings.files) writeText((folder / name).string(), text);
+}
+
+/// How long it took is no result: it differs from run to run.
+void writeTiming(const TrialOptions& options, const Findings& findings, double took_s) {
+  const double times_real_time = findings.simulated_s / (took_s - findings.not_simulating_s);
+  nlohmann::ordered_json timing = {{"jobs", options.jobs},
+                                   {"simulated_s", findings.simulated_s},
+                                   {"took_s", took_s},
+                                   {"not_simulating_s", findings.not_simulating_s},
+                                   {"times_real_time", times_real_time}};
+  if (!findings.timing.is_null()) timing.update(findings.timing);
+  writeText((std::filesystem::path(options.out) / "timing.json").string(), timing.dump(2) + '\n');
+  if (timing.contains("processing_us")) {
+    std::printf("processing     %.2f ms from a scan's beams to the verdict at p99\n",
+                1e-3 * timing["processing_us"]["p99"].get<double>());
+  }
+  std::printf("took           %.1f s", took_s);
+  if (findings.not_simulating_s > 0.0) {
+    std::printf(" (%.1f s of them measured without simulating)", findings.not_simulating_s);
+  }
+  std::printf(", %.0f times as fast as real time, on %d thread%s\n", times_real_time, options.jobs,
+              options.jobs > 1 ? "s" : "");
+}
+
+int run(const Experiment& experiment, const TrialOptions& options) {
+  makeFolder(options.out);
+  const auto start = std::chrono::steady_clock::now();
+  const Findings findings = experiment.run(options, progressBar());
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  write(options, experiment.command->get_name(), findings);
+  for (const std::string& line : findings.lines) std::printf("%s\n", line.c_str());
+  for (const std::string& limit : findings.missed)
+    std::printf("limit missed   %s\n", limit.c_str());
+  writeTiming(options, findings, took.count());
+  if (!options.no_pictures && !runScript("draw_trials", {options.out})) {
+    throw InputError("the pictures in " + options.out + " could not be drawn");
+  }
+  return findings.missed.empty() ? kDone : kLimitMissed;
+}
+
+/// @pre one of them was asked for
+const Experiment& chosen(const std::vector<Experiment>& experiments) {
+  for (const Experiment& experiment : experiments) {
+    if (experiment.command->parsed()) return experiment;
+  }
+  return experiments.front();
+}
+
+}  // namespace
+}  // namespace tccm::simulation
+
+int main(int argc, char** argv) {
+  using namespace tccm::simulation;
+  CLI::App app("Closed-loop experiments with a simulated robot that obeys the monitor.", "trials");
+  TrialOptions options;
+  declare(app, options);
+  const std::vector<Experiment> experiments = {
+      stoppingExperiment(app),   hoverExperiment(app),   visibilityExperiment(app),
+      governedExperiment(app),   handsExperiment(app),   falseStopsExperiment(app),
+      occlusionExperiment(app),  updatesExperiment(app), dynamicExperiment(app),
+      smallObjectExperiment(app)};
+  try {
+    // roslaunch adds arguments of its own; CLI11 takes the last first, without the program's name.
+    std::vector<std::string> arguments;
+    ros::removeROSArgs(argc, argv, arguments);
+    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend() - 1));
+    return run(chosen(experiments), options);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "trials: %s\n", error.what());
+    return tccm::kBadInput;
+  }
+}

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "check/verdict.h"
+#include "map/cuboid_map.h"
+#include "robot/joint_states.h"
+
+namespace tccm {
+
+/// What became of a scan before it reached the map.
+struct ScanReport {
+  enum class Outcome { kWaiting, kAssembled, kDropped };
+  Time stamp;
+  Outcome outcome = Outcome::kWaiting;
+  std::string dropped = {};  ///< why: blind, future_stamp, no_transform ...
+};
+
+/// The newest of all that a check rests on, and what of it is missing, late or unknown.
+class CheckInputs {
+ public:
+  struct Config {
+    std::string fixed_frame = "?";  ///< for what is told to people
+    JointStates::Config joints;
+    double joint_timeout_s = 0.1;
+    double transform_timeout_s = 0.5;     ///< age of the root's pose
+    double scan_timeout_periods = 3.0;    ///< without a scan or a new map, in measured scan periods
+    double map_age_max_s = 0.5;           ///< from the newest scan's stamp to the check
+    double future_max_s = 0.1;            ///< a stamp may lead the check by this much
+    double transform_future_max_s = 0.5;  ///< the same of a transform; many publishers date ahead
+
+    /// @throws ConfigError
+    void validate() const;
+  };
+
+  /// @throws ConfigError
+  CheckInputs(std::shared_ptr<const RobotModel> model, const Config& config);
+  /// Other limits from now on; how joint states are gathered stays. @throws ConfigError
+  void reconfigure(const Config& config);
+
+  /// A message that is stamped in the future is dropped.
+  /// @return what was taken of it.
+  JointStates::Added addJoints(Time now, Time stamp, const std::vector<std::string>& names,
+                               const std::vector<double>& positions,
+                               const std::vector<double>& velocities);
+  /// One of the model's roots in the fixed frame. One that does not move (the same frame, or
+  /// static transforms alone) never grows old.
+  void setRootPose(std::size_t root, Time stamp, const Pose& T_fixed_root, bool is_static);
+  /// What becomes of scans. Where nothing reports it, maps alone tell.
+  void addScanReport(Time now, const ScanReport& report);
+  void setMap(Time now, std::shared_ptr<const CuboidMap> map);
+  /// Whether the clock that gives `now` stands still, as a player's or simulation's may.
+  void setClockStalls(bool stalls) { clock_stalls_ = stalls; }
+  void reset();
+
+  /// Appends what is missing, late or unknown; nothing where all is there.
+  void appendCauses(Time now, std::vector<Cause>& causes);
+  /// The worst of them; kClear where there is none.
+  [[nodiscard]] Cause worst(Time now);
+  /// Whether the robot can be placed: joints and roots are known and fresh.
+  [[nodiscard]] bool placesRobot(Time now);
+
+  /// The result is valid until the next call; nothing while a joint is missing.
+  [[nodiscard]] const JointSnapshot* joints() { return joints_.latest(); }
+  [[nodiscard]] const JointStates& jointStates() const { return joints_; }
+  [[nodiscard]] const std::vector<Pose>& rootPoses() const { return T_fixed_roots_; }
+  [[nodiscard]] bool rootsKnown() const;
+  [[nodiscard]] const CuboidMap* map() const { return map_.get(); }
+  [[nodiscard]] std::optional<double> scanPeriod() const { return scan_period_s_; }
+  /// Messages dropped because they were stamped in the future.
+  [[nodiscard]] std::size_t futureJoints() const { return future_joints_; }
+
+ private:
+  struct RootPose {
+    Time stamp;
+    bool is_static;
+  };
+  [[nodiscard]] Cause clockCause() const;
+  [[nodiscard]] Cause jointsCause(Time now);
+  [[nodiscard]] Cause rootCause(Time now, std::size_t root) const;
+  [[nodiscard]] Cause mapCause(Time now, bool joints_known) const;
+  /// No new map for too long: why.
+  [[nodiscard]] Cause silenceCause(Time now) const;
+  [[nodiscard]] bool within(Time now, double seconds) const;
+  [[nodiscard]] Duration silenceMax() const;
+  [[nodiscard]] bool scansCome(Time now) const;
+
+  std::shared_ptr<const RobotModel> model_;
+  Config config_;
+  JointStates joints_;
+  std::vector<std::optional<RootPose>> roots_;  ///< by the model's roots
+  std::vector<Pose> T_fixed_roots_;
+  std::shared_ptr<const CuboidMap> map_;
+  Time map_arrival_;
+  std::optional<double> scan_period_s_;  ///< the mean of the recent ones
+  std::optional<Time> report_arrival_;   ///< the last that a scan came in
+  std::optional<Time> assembled_;        ///< when the last scan was
+  std::string dropped_;                  ///< why the last that was not assembled was dropped
+  std::optional<Time> started_;          ///< the first check
+  std::size_t future_joints_ = 0;
+  std::optional<Time> future_joint_;  ///< when the last of them came
+  Duration future_lead_{0};
+  bool clock_stalls_ = false;
+};
+
+}  // namespace tccm

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "geometry/shape.h"
+#include "map/cuboid_map.h"
+
+namespace tccm {
+
+/// A primitive and a cuboid that have a point in common.
+struct Contact {
+  std::uint32_t shape;   ///< index into the body's shapes
+  std::uint32_t cuboid;  ///< index into the map's cuboids
+};
+
+/// For each shape of a body the regions in the fixed frame that it may touch things in; empty: none
+/// at all.
+using ExemptRegions = std::vector<std::vector<PlacedShape>>;
+
+/// Finds the cuboids that a robot's primitives touch (paper, section IV.A): the primitives'
+/// footprints name the cells, an exact test decides. Single false points are told from obstacles by
+/// support: returns of the window near a contact, in whichever scan.
+class CollisionCheck {
+ public:
+  struct Config {
+    /// A contact counts where this many returns lie in the 3 x 3 cells around it and within
+    /// support_height_m of its cuboid; 1 counts every contact.
+    int support_points = 3;
+    double support_height_m = 0.03;
+    int contacts_max = 256;  ///< no more than these are listed
+
+    /// @throws ConfigError
+    void validate() const;
+  };
+
+  /// @throws ConfigError
+  explicit CollisionCheck(const Config& config);
+
+  /// Contacts with cuboids that lie altogether in a region count for nothing from now on.
+  void exempt(ExemptRegions regions);
+
+  /// The contacts by shape, then by cell; the reference is valid until the next call.
+  const std::vector<Contact>& find(const CuboidMap& map, const Body& body);
+  /// The first cuboid by cell that a shape touches.
+  /// @param index of the shape in the body, for exempt().
+  [[nodiscard]] std::optional<std::uint32_t> first(const CuboidMap& map, const Shape& shape,
+                                                   const Pose& T_fixed_shape,
+                                                   std::uint32_t index) const;
+  /// Whether enough returns lie near a cuboid for it to count.
+  [[nodiscard]] bool hasSupport(const CuboidMap& map, const Cuboid& cuboid) const;
+
+ private:
+  /// Calls visit(cuboid index) for each contact, until it returns false.
+  template <typename Visit>
+  void visitContacts(const CuboidMap& map, const Shape& shape, const Pose& T_fixed_shape,
+                     std::uint32_t index, Visit&& visit) const;
+  [[nodiscard]] bool isExempt(std::uint32_t index, const UprightBox& cuboid) const;
+
+  Config config_;
+  std::vector<Contact> contacts_;
+  ExemptRegions exempt_;
+};
+
+}  // namespace tccm

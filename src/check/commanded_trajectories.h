@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "robot/joint_path.h"
+#include "robot/joint_states.h"
+#include "robot/joint_trajectory.h"
+#include "robot/robot_model.h"
+#include "time.h"
+
+namespace tccm {
+
+/// What the arms' controllers were told to do, and how far they have come. Where a robot is on its
+/// trajectory is told from its joints, not from the clock: a controller may go slower than it was
+/// told, or wait.
+class CommandedTrajectories {
+ public:
+  /// A way with more corners than this makes for allocation.
+  static constexpr std::size_t kWayPoints = 4096;
+
+  struct Config {
+    /// A robot that is further from its trajectory follows another one [rad or m].
+    double deviation_max = 0.3;
+    std::size_t points_max = 10000;
+
+    /// @throws ConfigError
+    void validate() const;
+  };
+
+  /// @throws ConfigError
+  CommandedTrajectories(const RobotModel& model, const Config& config);
+
+  /// Takes the place of those that move one of the same joints. One without points cancels: those
+  /// that move one of its joints, or all where it names none.
+  /// @param positions where the robot is, one for each variable; empty: not known, and then only a
+  /// cancellation is understood. @param velocities as makePath() takes them.
+  /// @return what is wrong with it, in one line. What its joints do is not known then, until the
+  /// next one for any of them.
+  std::string command(Time now, const JointTrajectory& trajectory, const RobotModel& model,
+                      const std::vector<double>& positions,
+                      const std::vector<double>& velocities = {});
+  void clear();
+
+  /// Moves on to where the robot is; those that are done or not followed are forgotten.
+  void follow(Time now, const std::vector<double>& positions);
+
+  [[nodiscard]] bool active() const { return !active_.empty(); }
+  /// What is wrong with what was commanded, also that the robot does not follow it; empty where
+  /// nothing is.
+  [[nodiscard]] std::string defect() const {
+    return defects_.empty() ? std::string() : defects_.front().text;
+  }
+
+  /// The way from where the robot is on: along the trajectories, and for joints that none of them
+  /// moves at their velocities, no further than their limits.
+  /// @param path is cleared before; from 0 s to horizon_s.
+  void makeWay(const RobotModel& model, const JointSnapshot& joints, double horizon_s,
+               JointPath& path);
+
+ private:
+  struct Active {
+    std::vector<std::string> names;
+    std::vector<std::size_t> variables;
+    JointPath path;
+    double at_s = 0.0;               ///< how far the robot has come
+    Time asked;                      ///< when that was found
+    std::vector<double> shift = {};  ///< of the variables: whole turns
+  };
+  struct Defect {
+    std::vector<std::string> names;
+    std::string text;
+  };
+  void forget(const std::vector<std::string>& names);
+  /// The largest difference of any of its joints.
+  [[nodiscard]] double deviation(const Active& active, double time_s,
+                                 const std::vector<double>& positions);
+  /// @return false where it is done, or not followed.
+  [[nodiscard]] bool moveOn(Active& active, Time now, const std::vector<double>& positions);
+  [[nodiscard]] bool isDone(const Active& active);
+  void findShift(Active& active, const std::vector<double>& positions);
+
+  Config config_;
+  std::vector<Active> active_;
+  std::vector<Defect> defects_;
+  std::vector<bool> turning_;      ///< by variable
+  std::vector<double> times_s_;    ///< reused
+  std::vector<double> positions_;  ///< reused
+  std::vector<double> way_point_;  ///< reused
+};
+
+/// The way that measured velocities lead, each joint no further than its limits. A joint measured
+/// beyond its limit stays where it is.
+/// @param path is cleared before; from 0 s to horizon_s.
+void extrapolate(const RobotModel& model, const JointSnapshot& joints, double horizon_s,
+                 JointPath& path);
+
+}  // namespace tccm

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "geometry/shape.h"
+#include "map/cuboid_map.h"
+#include "robot/robot_model.h"
+
+namespace tccm {
+
+/// What is known of the space that one link is in and goes through.
+struct LinkEvidence {
+  std::size_t link = 0;          ///< index into the model's links
+  double new_volume_m3 = 0.0;    ///< that it goes through and is not in now
+  double unseen_fraction = 0.0;  ///< of that: never seen, or hidden when it was looked at last
+  double old_fraction = 0.0;     ///< of its way, now included: not looked at for slow_periods
+  double lost_fraction = 0.0;    ///< the same for stop_periods
+  /// Of the oldest evidence for what was seen of its way; nothing where nothing of it was.
+  std::optional<double> age_s;
+  /// Until its way's end is looked at next; nothing: none is due.
+  std::optional<double> next_look_s;
+};
+
+/// What is known of the way ahead, by place: a scan may be fresh and say nothing of the space that
+/// a link is about to enter. Looked at are points in every primitive, at the present pose, at the
+/// way's end and halfway.
+class EvidenceCheck {
+ public:
+  struct Config {
+    /// Whose way should have been seen; empty: those that are watched for occlusion.
+    std::vector<std::string> links;
+    double margin_m = 0.05;  ///< a look that ended this much before a place saw it all the same
+    /// Not looked at for so many tilt periods, a place's evidence is old; and too old.
+    double slow_periods = 1.5;
+    double stop_periods = 2.5;
+    /// Of a link's way, in directions where the sensor looked before: where more is old the robot
+    /// slows down, where more is too old it stops.
+    double old_fraction_max = 0.3;
+    /// Of all that the links go through until the horizon: where more is unseen the robot slows
+    /// down.
+    double unseen_fraction_max = 0.2;
+    double unseen_volume_min_m3 = 2e-4;  ///< less is too little to judge by
+    double slow_scale = 0.3;
+    bool unseen_stops = false;  ///< true: the robot stops where too much is unseen
+
+    /// @throws ConfigError
+    void validate() const;
+  };
+
+  struct Findings {
+    std::vector<LinkEvidence> links;  ///< in the order of the links' first shapes
+    double unseen_fraction = 0.0;     ///< of all that the links go through; 0 where that is little
+    [[nodiscard]] const LinkEvidence* mostUnseen() const;
+    [[nodiscard]] const LinkEvidence* mostLost() const;
+    [[nodiscard]] const LinkEvidence* mostOld() const;
+  };
+
+  /// @param body_shapes indices of the model's shapes that bodies consist of.
+  /// @param watched the links that are watched for occlusion.
+  /// @throws ConfigError, also where a pattern matches no link.
+  EvidenceCheck(const RobotModel& model, const Config& config,
+                const std::vector<std::size_t>& body_shapes, LinkUse watched);
+
+  /// @param now_body, end_body the same primitives at the present pose and at the way's end.
+  /// The reference is valid until the next call.
+  const Findings& find(const CuboidMap& map, Time now, const Body& now_body, const Body& end_body);
+  [[nodiscard]] const Findings& findings() const { return findings_; }
+  /// The model's shapes whose way should have been seen.
+  [[nodiscard]] const std::vector<std::size_t>& shapes() const { return shapes_; }
+
+  /// Places of the last find() that the links go through and that were not seen [m, fixed frame].
+  [[nodiscard]] const std::vector<Vector3>& unseenPlaces() const { return unseen_; }
+
+ private:
+  /// What is summed up for a link: numbers of places, and volumes [m^3].
+  struct Tally {
+    double looked_at = 0.0, old = 0.0, lost = 0.0;
+    double new_volume = 0.0, unseen_volume = 0.0;
+    std::optional<Time> oldest;  ///< evidence
+  };
+  struct Question {
+    const CuboidMap& map;
+    Time now;
+    Duration old, lost;  ///< ages from which evidence is that
+  };
+  void lookAlong(const Question& question, const Body& now_body, std::size_t i,
+                 const Pose& T_fixed_end);
+  [[nodiscard]] bool contains(const Body& body, const Vector3& p_fixed) const;
+  /// @param new_volume that the place stands for; 0 where the link is there now.
+  void lookAt(const Question& question, const Vector3& p_fixed, double new_volume, Tally& tally);
+  void sumUp(const Question& question, const Body& end_body);
+
+  static constexpr std::size_t kPassedOver = static_cast<std::size_t>(-1);
+  Config config_;
+  std::vector<std::size_t> shapes_;
+  std::vector<std::size_t> slot_of_shape_;      ///< index into the findings' links, or kPassedOver
+  std::vector<std::size_t> end_shape_of_slot_;  ///< the last of its shapes
+  Findings findings_;
+  std::vector<double> radii_;   ///< of spheres around the body's shapes
+  std::vector<Tally> tallies_;  ///< by slot
+  std::vector<Vector3> unseen_;
+};
+
+}  // namespace tccm

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "check/obeyed_scale.h"
+#include "geometry/shape.h"
+#include "map/cuboid_map.h"
+#include "robot/joint_states.h"
+#include "robot/kinematics.h"
+
+namespace tccm {
+
+/// How fast the robot may go so that whatever appears a distance d ahead of a link, at any moment,
+/// is seen and braked for: the way from then to the verdict on the next look at the place, and the
+/// braking way, stay under d.
+///
+/// While a point of the robot moves, the place that is d ahead of it is noted again and again.
+/// Until a scan has seen a place since it was noted, the point may be travelled s + v (t + L) + v^2
+/// / 2a from there at most, where s is what it has travelled since, t the time to the next look at
+/// the place, which the tilt's period tells, L the delay of a verdict. Where no look is due, what
+/// is left of the way has to last for a long time, so that the speed goes to nothing.
+class GovernedSpeed {
+ public:
+  struct Config {
+    double appear_distance_m = 0.0;  ///< d; 0: the speed is not governed
+    double look_margin_m = 0.05;     ///< a look that ended this much before a place saw it
+    double deceleration_mps2 = 2.0;  ///< a, of a link when the robot brakes
+    double reaction_time_s = 0.02;   ///< of the controller; a part of L
+    double speed_max_mps = 1.0;      ///< that a link is taken to be commanded, before it has moved
+    double place_step_m = 0.01;      ///< places are noted so far apart
+
+    /// @throws ConfigError
+    void validate() const;
+  };
+
+  /// What limits the robot.
+  struct Limit {
+    double scale = 1.0;        ///< of the commanded speed
+    std::size_t link = 0;      ///< that is limited most; meaningless where scale is 1
+    double allowed_mps = 0.0;  ///< its speed then
+    std::optional<double>
+        next_look_s;  ///< until the place ahead of it is looked at; nothing: not due
+  };
+
+  /// @param shapes indices of the model's shapes whose points are watched. @throws ConfigError
+  GovernedSpeed(std::shared_ptr<const RobotModel> model, const Config& config,
+                const std::vector<std::size_t>& shapes);
+
+  [[nodiscard]] bool active() const { return config_.appear_distance_m > 0.0; }
+  /// @param now not before that of earlier calls. @param applied_scale of the permission that the
+  /// robot obeys. The reference is valid until the next call.
+  const Limit& find(const CuboidMap& map, Time now, const JointSnapshot& joints,
+                    const std::vector<Pose>& T_fixed_roots, double applied_scale);
+  /// Forgets where the robot was.
+  void startAnew();
+  /// Goes on with what another knows of the same points; of another distance nothing is of use.
+  void takeOver(const GovernedSpeed& before);
+  /// The same rule for one look: the speed that uses up the rest of a way until a look and the
+  /// verdict on it, braking included. @param until_s at least 0.
+  [[nodiscard]] static double speedFor(double rest_m, double until_s, double deceleration_mps2);
+
+ private:
+  /// A place that something may have appeared at.
+  struct Place {
+    Vector3 p_fixed;
+    double travelled_m;  ///< of the point when it was noted
+    Time since;
+  };
+  /// A point of a primitive.
+  struct Track {
+    std::size_t shape;
+    Vector3 p_shape;
+    double radius_m;  ///< of the primitive around it
+    Vector3 p_fixed = Vector3::Zero();
+    Vector3 velocity = Vector3::Zero();
+    double travelled_m = 0.0;
+    double commanded_mps = 0.0;  ///< by estimate, at full scale
+    std::vector<Place> places = {};
+  };
+  void addTracks(std::size_t shape);
+  void move(Time now, const JointSnapshot& joints, const std::vector<Pose>& T_fixed_roots,
+            double applied_scale);
+  void estimateCommand(Track& track, double seconds) const;
+  void notePlace(Track& track, Time now) const;
+  [[nodiscard]] bool isBehindAnother(const Track& track, const Vector3& p_fixed) const;
+  [[nodiscard]] double marginAt(const LookImage& looks, const Vector3& p_fixed) const;
+  void forgetSeen(const CuboidMap& map, Track& track) const;
+  void limit(const CuboidMap& map, Time now, const Track& track);
+  void noteDelay(const CuboidMap& map, Time now);
+
+  std::shared_ptr<const RobotModel> model_;
+  Config config_;
+  Kinematics kinematics_;
+  Kinematics kinematics_soon_;
+  std::vector<double> positions_soon_;
+  std::vector<Track> tracks_;
+  std::optional<Time> last_;
+  std::uint32_t serial_ = 0;
+  double delay_s_ = 0.0;  ///< from a scan's first beam to the check on it, the longest lately
+  ObeyedScale obeyed_;
+  Limit limit_;
+};
+
+}  // namespace tccm

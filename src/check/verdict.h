@@ -1,0 +1,138 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "check/collision_check.h"
+#include "check/occlusion_check.h"
+#include "time.h"
+
+namespace tccm {
+
+/// Worse levels are larger.
+enum class Level : std::uint8_t { kOk = 0, kSlow = 1, kStop = 2, kFault = 3 };
+
+/// Why the level is what it is; of several of one level the last in this list.
+enum class Reason : std::uint8_t {
+  kClear,
+  kMovingOut,       ///< in contact or hidden, but what the robot does ends it
+  kSpeedGoverned,   ///< what appears ahead would be seen too late at a higher speed
+  kUnseenAhead,     ///< too much of the way ahead was never seen, or is hidden
+  kReleasing,       ///< clear, but not for long enough
+  kAwaitingReset,   ///< clear, but only a reset lifts the stop
+  kInit,            ///< the map does not hold a whole window yet
+  kEvidenceOld,     ///< the sensor looks no more where a link is
+  kOcclusionAhead,  ///< at the end of the way ahead
+  kOcclusion,
+  kCollisionAhead,  ///< on the way ahead
+  kCollision,
+  kBadTrajectory,    ///< what was commanded cannot be understood
+  kMapOverflow,      ///< points were left out of the map
+  kNoMap,            ///< no scan for too long
+  kMapLate,          ///< scans come, but what is in the map is too old
+  kSweepIncomplete,  ///< the tilt stands still, or turns too late or too early
+  kBlind,            ///< scans come, but hardly a beam measures anything
+  kNoJoints,         ///< a joint was never heard of, or not for too long
+  kNoTransform,      ///< the pose of the robot's root or of the sensor is unknown or too old
+  kFuture,           ///< a scan, map or joint state is stamped in the future
+  kCheckLate,        ///< checks take too long
+  kNoClock,          ///< simulated time stands still, so that nothing can grow old by it
+  kInternal,         ///< the check itself failed
+  kBadQuestion,      ///< a state or trajectory to be checked cannot be understood
+};
+
+/// As published, e.g. "COLLISION_AHEAD".
+[[nodiscard]] const char* name(Reason reason);
+/// At least; what is ahead may slow the robot down only.
+[[nodiscard]] Level levelOf(Reason reason);
+
+/// One thing that speaks against moving.
+struct Cause {
+  Reason reason = Reason::kClear;
+  Level level = Level::kOk;
+  std::string detail = {};  ///< one line for people: which link, joint, age
+  std::string link = {};    ///< the first link concerned, where there is one
+
+  Cause() = default;
+  Cause(Reason why, std::string text, std::string of_link = {})
+      : reason(why), level(levelOf(why)), detail(std::move(text)), link(std::move(of_link)) {}
+  Cause(Reason why, Level how_bad, std::string text, std::string of_link = {})
+      : reason(why), level(how_bad), detail(std::move(text)), link(std::move(of_link)) {}
+
+  [[nodiscard]] bool isWorseThan(const Cause& other) const {
+    if (level != other.level) return level > other.level;
+    // Of what slows the robot down, that it touches something is the gravest.
+    const bool moves_out = reason == Reason::kMovingOut;
+    if (moves_out != (other.reason == Reason::kMovingOut)) return moves_out;
+    return reason > other.reason;
+  }
+};
+
+/// What is found at one pose of the robot.
+struct PoseFindings {
+  std::vector<Contact> contacts;
+  std::vector<LinkVisibility> links;             ///< of the links watched for occlusion
+  std::vector<std::uint32_t> occluding_cuboids;  ///< indices into the map's cuboids
+  bool collision = false;
+  bool occlusion = false;
+  double collision_us = 0.0;  ///< wall time that the check took, forward kinematics included
+  double occlusion_us = 0.0;
+};
+
+/// The first contact along a way.
+struct WayContact {
+  Contact contact;              ///< of the model's shapes and the map's cuboids
+  double time_s = 0.0;          ///< from the way's start
+  double distance_m = 0.0;      ///< of the padded primitive at the way's start to that cuboid
+  double link_speed_mps = 0.0;  ///< the most that a point of the primitive moves at
+  bool by_margin = false;       ///< only the margin for its speed touches
+};
+
+/// How near a link is to the map.
+struct LinkClearance {
+  std::size_t link = 0;  ///< index into the model's links
+  /// Of the primitives without padding; infinite where no cuboid lies within the radius.
+  double distance_m = std::numeric_limits<double>::infinity();
+  std::uint32_t cuboid = 0;  ///< the nearest, where the distance is finite
+};
+
+/// One answer: may the robot go on?
+struct Verdict {
+  Time stamp;                ///< the time the check was asked for
+  Time joints_stamp;         ///< of the oldest joint position used; the epoch where there is none
+  std::uint32_t serial = 0;  ///< of the newest scan in the map; 0 where there is none
+  bool collision = false;    ///< now or ahead, as found in this check
+  bool occlusion = false;
+  /// The flags rest on a whole map and fresh input; where false, their false does not mean free.
+  bool known = false;
+  bool placed = false;  ///< now and ahead are of this check: map, joints and root were all there
+  bool stop = true;     ///< not permitted
+  double speed_scale = 0.0;  ///< of the commanded speed; 0 at a stop
+  Level level = Level::kFault;
+  Reason reason = Reason::kInit;
+  std::string detail;  ///< one line for people: which link, joint, age; empty where clear
+  std::string link;    ///< the first link concerned, where the reason has one
+  /// All that apply, the gravest first; the first is `reason`, unless it is clear.
+  std::vector<Reason> reasons;
+  Reason latched = Reason::kClear;  ///< what only a reset lifts
+  PoseFindings now;
+  PoseFindings ahead;                          ///< at the end of the way ahead
+  std::optional<WayContact> first_contact;     ///< along all ways ahead; from now on, at 0 s
+  bool follows_trajectory = false;             ///< a commanded trajectory is one of the ways
+  std::size_t way_poses = 0;                   ///< looked at between now and the end
+  double way_us = 0.0;                         ///< wall time that the ways took
+  std::vector<LinkClearance> clearances = {};  ///< of the links with collision primitives
+  double clearance_us = 0.0;
+  /// Of all that the links go through until the horizon; 0 where nothing was placed.
+  double unseen_fraction = 0.0;
+  double evidence_us = 0.0;
+  /// Of the commanded speed: at more something that appears ahead would be seen too late; 1 where
+  /// that limits nothing.
+  double governed_scale = 1.0;
+};
+
+}  // namespace tccm

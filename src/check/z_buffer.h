@@ -1,0 +1,107 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "geometry/direction_grid.h"
+#include "geometry/shape.h"
+#include "map/cuboid_map.h"
+
+namespace tccm {
+
+/// A spherical depth image around the sensor (paper, section IV.B). Primitives are drawn first,
+/// then cuboids cover them.
+class ZBuffer {
+ public:
+  /// @param resolution edge of a pixel at the horizon [rad].
+  explicit ZBuffer(double resolution);
+
+  /// Where a cuboid stands in the picture; the same for all poses of a body.
+  struct Silhouette {
+    std::uint32_t cuboid;
+    int row_begin, row_end;        ///< elevations
+    int column_begin, column_end;  ///< azimuths, not below 0; may run past the last column and wrap
+    double near, far;              ///< horizontal distance [m]
+    double bottom, top;            ///< height above the viewpoint [m]
+  };
+
+  struct Pixel {
+    float depth;          ///< to the nearest primitive [m]; infinite where there is none
+    std::uint32_t shape;  ///< that primitive
+    bool covered;         ///< a cuboid lies in front of it
+    bool seen;            ///< no cuboid is asked to cover it
+  };
+
+  /// Empties the picture and moves the camera.
+  void begin(const Vector3& viewpoint);
+  /// Draws a primitive where it is the nearest. One that contains the viewpoint is left out.
+  void draw(const Shape& shape, const Pose& T_fixed_shape, std::uint32_t index);
+  /// The sensor saw as far as to what a pixel shows: whether a cuboid covers it does not matter.
+  void markSeen(std::uint32_t pixel) {
+    pixels_[pixel].seen = true;
+    columns_known_ = false;
+  }
+  /// Covers the pixels not seen that the cuboid lies in front of by more than the margin [m].
+  /// Every pixel the cuboid reaches into counts: scans are sparser than pixels.
+  /// @return whether it covers any.
+  bool cover(const Silhouette& silhouette, double margin);
+
+  /// Whether there is a pixel that a cuboid could cover.
+  [[nodiscard]] bool canBeCovered() {
+    if (!columns_known_) findColumns();
+    return farthest_ > 0.0F;
+  }
+  /// Nothing where the cuboid lies in front of nothing that is drawn and not seen.
+  [[nodiscard]] std::optional<Silhouette> silhouette(const CuboidMap& map, std::uint32_t cuboid);
+
+  [[nodiscard]] const DirectionGrid& grid() const { return grid_; }
+  [[nodiscard]] int rows() const { return grid_.rows(); }
+  [[nodiscard]] int columns() const { return grid_.columns(); }
+  [[nodiscard]] const Pixel& pixel(int row, int column) const {
+    return pixels_[grid_.index(row, column)];
+  }
+  /// The indices of the pixels that show a primitive.
+  [[nodiscard]] const std::vector<std::uint32_t>& drawn() const { return drawn_; }
+  [[nodiscard]] const Pixel& pixelAt(std::uint32_t index) const { return pixels_[index]; }
+  /// Solid angle of a pixel, relative to one at the horizon.
+  [[nodiscard]] double weightAt(std::uint32_t index) const {
+    return grid_.cosine(grid_.rowOfPixel(index));
+  }
+
+ private:
+  struct Window {
+    int row_begin, row_end, column_begin, column_end;  ///< columns as in Silhouette
+  };
+  void findColumns();
+  /// A ray at elevation 0.
+  struct LevelRay {
+    Vector3 direction;  ///< in the shape's frame
+    double along;       ///< [m] that the shape's centre is ahead
+  };
+  /// Every pixel whose ray can meet the shape lies in it.
+  [[nodiscard]] Window windowOf(const Shape& shape, const Pose& T_fixed_shape) const;
+  template <typename Solid>
+  void drawIn(const Window& window, const Solid& solid, const Pose& T_fixed_shape,
+              std::uint32_t index, float depth_min);
+  /// Whether something that is drawn in its columns is further away than its near side.
+  [[nodiscard]] bool reachesBehind(const Silhouette& silhouette) const;
+  [[nodiscard]] double depthOf(const Silhouette& silhouette, int row) const;
+
+  DirectionGrid grid_;
+  double narrow_sine_;  ///< of half the angle that a cuboid of few columns takes up
+  Vector3 viewpoint_ = Vector3::Zero();
+  std::vector<Pixel> pixels_;
+  std::vector<LevelRay> level_rays_;  ///< of each column, for the shape being drawn
+  std::vector<std::uint32_t> drawn_;
+  // Horizontal distance of the farthest that is drawn and not seen, in each column and in all [m];
+  // 0 for nothing.
+  std::vector<float> column_farthest_;
+  std::vector<float> neighbours_farthest_;  ///< of a column and some to either side
+  bool columns_known_ = false;
+  float farthest_ = 0.0F;
+  int lowest_row_ = 0;  ///< of all that is drawn and not seen
+  int highest_row_ = -1;
+};
+
+}  // namespace tccm

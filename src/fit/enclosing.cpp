@@ -1,0 +1,368 @@
+#include "fit/enclosing.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "fit/convex_hull.h"
+#include "fit/directions.h"
+#include "fit/planar.h"
+#include "fit/smallest_ball.h"
+
+namespace tccm {
+namespace {
+
+constexpr double kThinnestHalf = 0.5 * kThinnest;
+
+/// Points in axes of which the third is the direction they are seen along.
+struct View {
+  Eigen::Matrix3d axes;
+  std::vector<Vector2> across;
+  std::vector<double> along;
+  std::vector<Vector2> outline;  ///< the hull of across
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
+};
+
+View viewAlong(const std::vector<Vector3>& points, const Vector3& direction) {
+  View view;
+  view.axes = axesAbout(direction);
+  view.across.reserve(points.size());
+  view.along.reserve(points.size());
+  const Eigen::Matrix3d to_view = view.axes.transpose();
+  for (const Vector3& p : points) {
+    const Vector3 q = to_view * p;
+    view.across.emplace_back(q.head<2>());
+    view.along.push_back(q.z());
+    view.low = std::min(view.low, q.z());
+    view.high = std::max(view.high, q.z());
+  }
+  view.outline = planarHull(view.across);
+  return view;
+}
+
+PlacedShape placed(const Shape& shape, const Eigen::Matrix3d& axes, const Vector3& centre_in_axes) {
+  PlacedShape result{shape};
+  result.pose.linear() = axes;
+  result.pose.translation() = axes * centre_in_axes;
+  return result;
+}
+
+double halfLength(const View& view) {
+  return std::max(0.5 * (view.high - view.low), kThinnestHalf);
+}
+
+double middle(const View& view) { return 0.5 * (view.high + view.low); }
+
+PlacedShape boxIn(const View& view) {
+  const Rectangle base = smallestRectangle(view.outline, kThinnest);
+  const Vector3 x(base.along_x.x(), base.along_x.y(), 0.0);
+  Eigen::Matrix3d turn;
+  turn << x, Vector3::UnitZ().cross(x), Vector3::UnitZ();
+  const Eigen::Matrix3d axes = view.axes * turn;
+  const Vector3 centre(base.centre.x(), base.centre.y(), middle(view));
+  const Box box{{base.half_extents.x(), base.half_extents.y(), halfLength(view)}};
+  return placed(box, axes, turn.transpose() * centre);
+}
+
+PlacedShape cylinderIn(const View& view) {
+  const Ball<2> base = smallestBall<2>(view.outline);
+  const Vector3 centre(base.centre.x(), base.centre.y(), middle(view));
+  return placed(Cylinder{std::max(base.radius, kThinnestHalf), halfLength(view)}, view.axes,
+                centre);
+}
+
+/// The shortest straight part of a capsule of this axis and radius: the points at distance d from
+/// the axis need lie within sqrt(r^2 - d^2) of its ends. @param radius no point is farther away
+PlacedShape capsuleAbout(const View& view, const Vector2& axis, double radius) {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (std::size_t i = 0; i < view.across.size(); ++i) {
+    const double squared = radius * radius - (view.across[i] - axis).squaredNorm();
+    const double cap = std::sqrt(std::max(0.0, squared));
+    low = std::min(low, view.along[i] + cap);
+    high = std::max(high, view.along[i] - cap);
+  }
+  const Capsule capsule{radius, std::max(0.0, 0.5 * (high - low))};
+  return placed(capsule, view.axes, {axis.x(), axis.y(), 0.5 * (low + high)});
+}
+
+PlacedShape capsuleIn(const View& view) {
+  const Ball<2> base = smallestBall<2>(view.outline);
+  PlacedShape best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const double wider : {1.0, 1.04, 1.15}) {
+    const double radius = std::max(base.radius * wider, kThinnestHalf);
+    const PlacedShape capsule = capsuleAbout(view, base.centre, radius);
+    if (volume(capsule.shape) >= least) continue;
+    least = volume(capsule.shape);
+    best = capsule;
+  }
+  return best;
+}
+
+using FitInView = PlacedShape (*)(const View&);
+enum Kind : std::size_t { kBox, kCylinder, kCapsule };
+constexpr std::array<FitInView, 3> kFits = {boxIn, cylinderIn, capsuleIn};  // by kind
+
+struct Candidate {
+  double volume_m3 = std::numeric_limits<double>::infinity();
+  PlacedShape shape;
+  [[nodiscard]] Vector3 axis() const { return shape.pose.linear().col(2); }
+};
+
+Candidate candidate(const PlacedShape& shape) { return {volume(shape.shape), shape}; }
+
+/// What is searched: a few points of the hull, and directions that an axis may have.
+struct Search {
+  std::vector<Vector3> hull;
+  std::vector<Vector3> points;  ///< the hull's, or some of them where they are many
+  std::vector<Vector3> directions;
+};
+
+constexpr double kLeastAngle = 0.002;  // [rad] between directions that are worth trying both
+
+/// Adds the directions of the vectors of most length in sum; those that nearly agree are one.
+void addHeaviest(std::vector<Vector3> vectors, std::size_t count,
+                 std::vector<Vector3>& directions) {
+  constexpr std::size_t kLookedAt = 300;
+  constexpr double kSame = 0.9999;
+  std::stable_sort(vectors.begin(), vectors.end(), [](const Vector3& a, const Vector3& b) {
+    return a.squaredNorm() > b.squaredNorm();
+  });
+  vectors.resize(std::min(kLookedAt, vectors.size()));
+  std::vector<std::pair<double, Vector3>> groups;
+  for (const Vector3& v : vectors) {
+    const double weight = v.norm();
+    if (!(weight > 0.0)) continue;
+    const auto agrees = [&](const std::pair<double, Vector3>& group) {
+      return std::abs(group.second.dot(v)) > kSame * weight;
+    };
+    const auto group = std::find_if(groups.begin(), groups.end(), agrees);
+    if (group == groups.end()) {
+      groups.emplace_back(weight, v / weight);
+    } else {
+      group->first += weight;
+    }
+  }
+  std::stable_sort(groups.begin(), groups.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  groups.resize(std::min(count, groups.size()));
+  for (const auto& group : groups) addIfDifferent(directions, group.second, kLeastAngle);
+}
+
+Search searchAround(const std::vector<Vector3>& points) {
+  constexpr int kSpread = 40;
+  static const ExtremePoints kExtreme(250);
+  const Mesh hull = convexHull(points).surface;
+  Search search{hull.vertices, kExtreme.of(hull.vertices), {}};
+  for (int i = 0; i < 3; ++i) search.directions.push_back(Vector3::Unit(i));
+  std::vector<Vector3> normals;
+  std::vector<Vector3> edges;
+  for (const auto& [a, b, c] : hull.triangles) {
+    const Vector3 ab = hull.vertices[b] - hull.vertices[a];
+    const Vector3 ac = hull.vertices[c] - hull.vertices[a];
+    normals.emplace_back(ab.cross(ac));
+    edges.insert(edges.end(), {ab, ac, ac - ab});
+  }
+  addHeaviest(std::move(normals), 16, search.directions);
+  addHeaviest(std::move(edges), 10, search.directions);
+  const Eigen::Matrix3d principal = principalAxes(hull.vertices);
+  for (int i = 0; i < 3; ++i) addIfDifferent(search.directions, principal.col(i), kLeastAngle);
+  for (const Vector3& direction : hemisphereDirections(kSpread)) {
+    search.directions.push_back(direction);
+  }
+  return search;
+}
+
+/// Turns the axis in ever smaller steps while that makes the shape smaller. The ring of steps is
+/// turned each time: the volume has creases, along which fixed steps get stuck.
+Candidate turned(const Search& search, FitInView fit, Candidate best, double smallest_step) {
+  constexpr int kRing = 6;
+  double ring_angle = 0.0;
+  for (double step = 0.08; step > smallest_step;) {
+    const Eigen::Matrix3d axes = axesAbout(best.axis());
+    ring_angle += 0.7;
+    Candidate next = best;
+    for (int i = 0; i < kRing; ++i) {
+      const double angle = ring_angle + 2.0 * M_PI * i / kRing;
+      const Vector3 aside = std::cos(angle) * axes.col(0) + std::sin(angle) * axes.col(1);
+      const Vector3 direction = (best.axis() + step * aside).normalized();
+      const Candidate tried = candidate(fit(viewAlong(search.points, direction)));
+      if (tried.volume_m3 < next.volume_m3) next = tried;
+    }
+    if (next.volume_m3 < best.volume_m3 * (1.0 - 1e-5)) {
+      best = next;
+    } else {
+      step *= 0.5;
+    }
+  }
+  return best;
+}
+
+/// A box is exact along each of its own axes in turn.
+Candidate settled(const Search& search, Candidate best) {
+  constexpr int kRoundsMax = 10;
+  for (int round = 0; round < kRoundsMax; ++round) {
+    Candidate next = best;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vector3 direction = best.shape.pose.linear().col(axis);
+      const Candidate tried = candidate(boxIn(viewAlong(search.points, direction)));
+      if (tried.volume_m3 < next.volume_m3) next = tried;
+    }
+    if (!(next.volume_m3 < best.volume_m3 * (1.0 - 1e-9))) break;
+    best = next;
+  }
+  return best;
+}
+
+/// A capsule's axis and how much wider it is than its axis asks for.
+struct CapsuleTrial {
+  Candidate capsule;
+  double excess = 0.0;  ///< [radius]
+};
+
+/// The trial turned [rad], moved aside and widened [radius] by steps.
+CapsuleTrial stepped(const std::vector<Vector3>& points, const CapsuleTrial& from,
+                     const Eigen::Matrix<double, 5, 1>& steps) {
+  const Pose& pose = from.capsule.shape.pose;
+  const double radius = std::get<Capsule>(from.capsule.shape.shape).radius;
+  View view;
+  view.axes = axesAbout((pose.linear() * Vector3(steps[0], steps[1], 1.0)).normalized());
+  const Eigen::Matrix3d to_view = view.axes.transpose();
+  const Vector3 through = to_view * (pose * Vector3(radius * steps[2], radius * steps[3], 0.0));
+  const Vector2 axis = through.head<2>();
+  double squared = 0.0;
+  for (const Vector3& p : points) {
+    const Vector3 q = to_view * p;
+    view.across.emplace_back(q.head<2>());
+    view.along.push_back(q.z());
+    squared = std::max(squared, (view.across.back() - axis).squaredNorm());
+  }
+  const double excess = std::max(0.0, from.excess + steps[4]);
+  const double needed = std::max(std::sqrt(squared), kThinnestHalf);
+  return {candidate(capsuleAbout(view, axis, needed + excess * radius)), excess};
+}
+
+/// Moves a capsule's axis and radius in ever smaller steps while that makes it smaller.
+Candidate moved(const Search& search, const Candidate& start) {
+  CapsuleTrial best{start};
+  for (double step = 0.08; step > 5e-4;) {
+    CapsuleTrial next = best;
+    for (int i = 0; i < 10; ++i) {
+      Eigen::Matrix<double, 5, 1> steps = Eigen::Matrix<double, 5, 1>::Zero();
+      steps[i / 2] = i % 2 == 0 ? step : -step;
+      const CapsuleTrial tried = stepped(search.points, best, steps);
+      if (tried.capsule.volume_m3 < next.capsule.volume_m3) next = tried;
+    }
+    if (next.capsule.volume_m3 < best.capsule.volume_m3 * (1.0 - 1e-5)) {
+      best = next;
+    } else {
+      step *= 0.5;
+    }
+  }
+  return best.capsule;
+}
+
+/// The same axis for all points of the hull.
+Candidate aroundHull(const Search& search, Kind kind, const Candidate& found) {
+  if (search.points.size() == search.hull.size()) return found;
+  const Candidate again = candidate(kFits.at(kind)(viewAlong(search.hull, found.axis())));
+  if (kind != kCapsule) return again;
+  const CapsuleTrial same = stepped(search.hull, {found}, Eigen::Matrix<double, 5, 1>::Zero());
+  return same.capsule.volume_m3 < again.volume_m3 ? same.capsule : again;
+}
+
+Candidate refined(const Search& search, Kind kind, const Candidate& start) {
+  constexpr double kSmallestTurn = 5e-4;  // [rad]
+  if (kind == kCapsule) {
+    const Candidate roughly = turned(search, capsuleIn, start, 0.01);
+    return aroundHull(search, kind, moved(search, roughly));
+  }
+  if (kind == kCylinder) {
+    return aroundHull(search, kind, turned(search, cylinderIn, start, kSmallestTurn));
+  }
+  const Candidate roughly = turned(search, boxIn, settled(search, start), kSmallestTurn);
+  return aroundHull(search, kind, settled(search, roughly));
+}
+
+/// The best of each kind along the search's directions, the smallest first.
+std::array<std::vector<Candidate>, kFits.size()> starts(const Search& search, std::size_t count) {
+  std::array<std::vector<Candidate>, kFits.size()> all;
+  for (const Vector3& direction : search.directions) {
+    const View view = viewAlong(search.points, direction);
+    for (const Kind kind : {kBox, kCylinder, kCapsule}) {
+      all.at(kind).push_back(candidate(kFits.at(kind)(view)));
+    }
+  }
+  for (std::vector<Candidate>& candidates : all) {
+    std::stable_sort(
+        candidates.begin(), candidates.end(),
+        [](const Candidate& a, const Candidate& b) { return a.volume_m3 < b.volume_m3; });
+    candidates.resize(std::min(count, candidates.size()));
+  }
+  return all;
+}
+
+PlacedShape searched(const std::vector<Vector3>& points, Kind kind) {
+  constexpr std::size_t kStarts = 5;
+  const Search search = searchAround(points);
+  const auto tries = starts(search, kStarts);
+  Candidate best;
+  for (const Candidate& start : tries.at(kind)) {
+    const Candidate tried = refined(search, kind, start);
+    if (tried.volume_m3 < best.volume_m3) best = tried;
+  }
+  return best.shape;
+}
+
+}  // namespace
+
+PlacedShape enclosingSphere(const std::vector<Vector3>& points) {
+  const Ball<3> ball = smallestBall<3>(points);
+  return placed(Sphere{std::max(ball.radius, kThinnestHalf)}, Eigen::Matrix3d::Identity(),
+                ball.centre);
+}
+
+PlacedShape enclosingBox(const std::vector<Vector3>& points) { return searched(points, kBox); }
+
+PlacedShape enclosingCylinder(const std::vector<Vector3>& points) {
+  return searched(points, kCylinder);
+}
+
+PlacedShape enclosingCapsule(const std::vector<Vector3>& points) {
+  return searched(points, kCapsule);
+}
+
+PlacedShape smallestEnclosing(const std::vector<Vector3>& points) {
+  constexpr double kHopeless = 1.25;  // times the smallest: refinement does not gain that much
+  constexpr std::size_t kStarts = 2;
+  const Search search = searchAround(points);
+  Candidate best = candidate(enclosingSphere(search.hull));
+  const auto tries = starts(search, kStarts);
+  double least = best.volume_m3;
+  for (const auto& candidates : tries) least = std::min(least, candidates.front().volume_m3);
+  for (const Kind kind : {kBox, kCylinder, kCapsule}) {
+    for (const Candidate& start : tries.at(kind)) {
+      if (start.volume_m3 > kHopeless * least) continue;
+      const Candidate tried = refined(search, kind, start);
+      if (tried.volume_m3 < best.volume_m3) best = tried;
+    }
+  }
+  return best.shape;
+}
+
+double enclosingVolumeAlong(const std::vector<Vector3>& points,
+                            const std::vector<Vector3>& directions) {
+  double least = volume(enclosingSphere(points).shape);
+  for (const Vector3& direction : directions) {
+    const View view = viewAlong(points, direction);
+    for (const FitInView fit : kFits) least = std::min(least, volume(fit(view).shape));
+  }
+  return least;
+}
+
+}  // namespace tccm

@@ -1,0 +1,132 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+
+#include "geometry/shape.h"
+
+namespace tccm {
+
+/// Heights count in quanta above the fixed frame's z = 0. An interval of heights is half-open:
+/// [bottom, top).
+using Height = std::int16_t;
+/// Cells count along x first: index = iy * cells_x + ix.
+using CellIndex = std::uint32_t;
+
+/// The map's area, cut into square columns on the fixed frame's xy plane (paper, section III.A).
+class Grid {
+ public:
+  struct Config {
+    double origin_x_m = 0.0;  ///< the corner with the least x and y
+    double origin_y_m = -1.0;
+    double size_x_m = 1.5;  ///< whole cells; the last may reach beyond
+    double size_y_m = 2.0;
+    double height_min_m = 0.0;  ///< points below, or at or above height_max_m, are out of the area
+    double height_max_m = 2.0;
+    double cell_size_m = 0.02;
+    double height_quantum_m = 0.001;
+
+    /// @throws ConfigError, also where a height does not fit into 16 bits of quanta.
+    void validate() const;
+  };
+
+  Grid() : Grid(Config()) {}
+  /// @throws ConfigError
+  explicit Grid(const Config& config);
+
+  [[nodiscard]] const Config& config() const { return config_; }
+  [[nodiscard]] CellIndex cellsX() const { return cells_x_; }
+  [[nodiscard]] CellIndex cellsY() const { return cells_y_; }
+  [[nodiscard]] CellIndex cells() const { return cells_x_ * cells_y_; }
+
+  /// A position as the map and every dump of it take it: rounded to the micrometre, so that
+  /// floor((x - origin) / cell_size) of the printed number names the same cell.
+  [[nodiscard]] static double toMicrometre(double metres);
+
+  /// The cell floor((x - origin) / cell_size) names; nothing outside the area, for NaN, or for a
+  /// height outside the limits. @param p_fixed rounded by toMicrometre.
+  [[nodiscard]] std::optional<CellIndex> cellOf(const Vector3& p_fixed) const;
+  /// A return's cell and height.
+  struct Place {
+    CellIndex cell;
+    Height height;
+  };
+  /// toMicrometre(), cellOf() and heightOf() in one, with the same result, and without a division
+  /// wherever none of the roundings can matter. @param p_fixed as measured.
+  [[nodiscard]] std::optional<Place> place(const Vector3& p_fixed) const;
+  /// The nearest quantum, halves to even. @param z inside the limits.
+  [[nodiscard]] Height heightOf(double z) const;
+  /// The largest height in quanta at or below z, and the least at or above it; clamped to 16 bits.
+  [[nodiscard]] Height heightFloor(double z) const;
+  [[nodiscard]] Height heightCeil(double z) const;
+  [[nodiscard]] double metres(int height) const { return height * config_.height_quantum_m; }
+
+  /// The column's part between two heights, as a box in the fixed frame.
+  [[nodiscard]] UprightBox box(CellIndex cell, int bottom, int top) const;
+  [[nodiscard]] Eigen::Vector2d centre(CellIndex cell) const;
+
+  /// The cells ix in [x_begin, x_end), iy in [y_begin, y_end) that a box's footprint touches.
+  struct Footprint {
+    CellIndex x_begin, x_end, y_begin, y_end;
+  };
+  [[nodiscard]] Footprint footprint(const UprightBox& box) const;
+
+  /// Hands the 3 x 3 cells around a cell to visit, itself included, those beyond the area left out.
+  template <typename Visit>
+  void visitAround(CellIndex cell, Visit&& visit) const {
+    const CellIndex ix = cell % cells_x_, iy = cell / cells_x_;
+    for (CellIndex y = iy - std::min(iy, 1U); y < std::min(iy + 2, cells_y_); ++y) {
+      for (CellIndex x = ix - std::min(ix, 1U); x < std::min(ix + 2, cells_x_); ++x) {
+        visit(y * cells_x_ + x);
+      }
+    }
+  }
+
+  [[nodiscard]] bool operator==(const Grid& other) const;
+
+ private:
+  static constexpr double kDoubt = 1e-6;  // [m]; rounding to the micrometre moves by half of it
+  /// As std::nearbyint, halves to even, for |x| up to 2^51, but inline: adding 1.5 * 2^52 leaves no
+  /// bits for the fraction. Each return of each scan is rounded four times.
+  [[nodiscard]] static double nearest(double x) {
+    constexpr double kShift = 6755399441055744.0;
+    return (x + kShift) - kShift;
+  }
+  /// Near a border the rounding decides.
+  [[nodiscard]] std::optional<Place> placeRounded(const Vector3& p_fixed) const;
+
+  Config config_;
+  CellIndex cells_x_;
+  CellIndex cells_y_;
+  double cells_a_metre_;
+  double quanta_a_metre_;
+  double doubt_cells_;  ///< so near to a border the rounding to the micrometre decides
+  double doubt_quanta_;
+};
+
+inline std::optional<Grid::Place> Grid::place(const Vector3& p_fixed) const {
+  const double x = (p_fixed.x() - config_.origin_x_m) * cells_a_metre_;
+  const double y = (p_fixed.y() - config_.origin_y_m) * cells_a_metre_;
+  const double z = p_fixed.z();
+  const bool near = x > -doubt_cells_ && x < cells_x_ + doubt_cells_ && y > -doubt_cells_ &&
+                    y < cells_y_ + doubt_cells_ && z > config_.height_min_m - kDoubt &&
+                    z < config_.height_max_m + kDoubt;
+  if (!near) return std::nullopt;  // also for NaN
+  const auto ix = static_cast<std::int64_t>(x), iy = static_cast<std::int64_t>(y);
+  const double beyond_x = x - static_cast<double>(ix), beyond_y = y - static_cast<double>(iy);
+  const double quanta = z * quanta_a_metre_;
+  const double height = nearest(quanta);
+  const bool sure = beyond_x > doubt_cells_ && beyond_x < 1.0 - doubt_cells_ &&
+                    beyond_y > doubt_cells_ && beyond_y < 1.0 - doubt_cells_ &&
+                    std::abs(quanta - height) < 0.5 - doubt_quanta_ &&
+                    z > config_.height_min_m + kDoubt && z < config_.height_max_m - kDoubt;
+  if (sure) {
+    return Place{static_cast<CellIndex>(iy) * cells_x_ + static_cast<CellIndex>(ix),
+                 static_cast<Height>(height)};
+  }
+  return placeRounded(p_fixed);
+}
+
+}  // namespace tccm

@@ -1,0 +1,161 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "map/columns.h"
+#include "map/cuboid_map.h"
+#include "map/forgotten_regions.h"
+#include "map/grid.h"
+#include "map/held_layer.h"
+#include "map/part_map_ring.h"
+#include "map/region.h"
+#include "map/return_counts.h"
+
+namespace tccm {
+
+/// The time-series composite cuboid map by replacement (paper, section III.C.2): the newest part
+/// map is added, the oldest subtracted, at a cost that does not grow with the window.
+///
+/// After every step the occupied heights of each cell are exactly the union of the part maps of
+/// the scans in the window. A return at height z occupies (z - thickness, z].
+class IntegrationMap {
+ public:
+  struct Config {
+    Grid::Config grid;
+    double thickness_m = 0.02;         ///< d0, at least a quantum
+    std::size_t scans_max = 512;       ///< longest window
+    std::size_t returns_max = 400000;  ///< in the window
+    std::size_t intervals_max = 200000;
+
+    /// @throws ConfigError
+    void validate() const;
+  };
+
+  struct Added {
+    std::size_t mapped = 0;
+    std::size_t out_of_area = 0;
+    std::size_t forgotten = 0;  ///< inside of what forget() was told
+  };
+
+  /// Allocates everything it will ever use. @throws ConfigError
+  explicit IntegrationMap(const Config& config);
+
+  /// Adds a scan's part map; its serial is one more than the last scan's. Where scans_max are in
+  /// the window already, the oldest leaves first.
+  /// @param returns in the fixed frame; those that are not finite count as out of the area.
+  Added add(Time stamp, const std::vector<Vector3>& returns);
+  /// Subtracts the oldest scan's part map. @pre scans() > 0
+  void expireOldest() {
+    expireOldest([](const Leaving&) {});
+  }
+  /// What leaves the map when no scan of the window has seen it any more.
+  struct Leaving {
+    CellIndex cell;
+    Columns::Heights heights;
+    std::uint32_t serial;  ///< of the scan that saw it last
+    std::uint32_t born;
+  };
+  /// The same. @param visit (Leaving): is shown each interval that leaves with it, once, while all
+  /// returns still count.
+  template <typename Visit>
+  void expireOldest(Visit&& visit);
+  static constexpr double kSupportHeight = 0.03;  ///< [m] within which returns support each other
+  /// The window's returns in an interval, and those in the 3 x 3 cells around it within
+  /// kSupportHeight, its own included.
+  [[nodiscard]] std::uint32_t pointsIn(CellIndex cell, Columns::Heights heights) const;
+  [[nodiscard]] std::uint32_t pointsAround(CellIndex cell, Columns::Heights heights) const;
+  /// Takes the returns inside the region out of the window's part maps, at once, and leaves them
+  /// out of scans that come later but are stamped up to `until` (see ForgottenRegions for its
+  /// limits); from then on what is seen there counts as usual. The map stays the union of what
+  /// remains, with the ages it had.
+  ///
+  /// Of a return in the window only the cell and the height are known. It leaves where the cell's
+  /// centre at that height is within the padding plus half a cell's diagonal: so all that were
+  /// inside leave, and none that was further away than the padding plus a cell's diagonal and a
+  /// quantum. Returns of later scans are judged by their exact place.
+  ///
+  /// Where the pool of intervals runs out over it, more stays than should, and the map is
+  /// overflowed. Costs a visit to every return of the window: for seldom use.
+  /// @return how many returns left the window's part maps.
+  /// @throws ConfigError where the region is not valid; then nothing has changed.
+  std::size_t forget(const Region& region, Time until);
+  /// Forgets all scans, and what was to be forgotten of later ones; serials go on.
+  void clear();
+
+  /// The heights that a return occupies.
+  [[nodiscard]] Columns::Heights occupiedBy(const MappedReturn& entry) const;
+  [[nodiscard]] Height thickness() const { return thickness_; }
+  [[nodiscard]] std::size_t scans() const { return ring_.scans(); }
+  [[nodiscard]] std::size_t scansMax() const { return config_.scans_max; }
+  [[nodiscard]] Time oldestStamp() const { return ring_.oldestStamp(); }
+  [[nodiscard]] Time newestStamp() const { return newest_stamp_; }
+  [[nodiscard]] std::uint32_t serial() const { return serial_; }
+  /// A bound was met, and points were left out, in a scan that is still in the window.
+  [[nodiscard]] bool overflowed() const;
+  [[nodiscard]] const Grid& grid() const { return grid_; }
+  /// Of all scans in the window, in layers as thick as what a return occupies.
+  [[nodiscard]] const ReturnCounts& returnCounts() const { return counts_; }
+  /// Hands each of the newest scan's returns to visit. @pre scans() > 0
+  template <typename Visit>
+  void visitNewest(Visit&& visit) const {
+    ring_.visitNewest(visit);
+  }
+  [[nodiscard]] std::size_t memoryBytes() const;
+
+  /// Writes cuboids but their dyn, index, grid, stamp, serial, window and thickness; the rest is
+  /// the caller's. Allocates nothing once `map` has been through reserve().
+  /// @param held sorted, and apart from what is in this map: becomes cuboids of its own.
+  void snapshot(CuboidMap& map, const HeldLayer& held) const;
+  /// Of this map alone.
+  void snapshot(CuboidMap& map) const;
+  /// Gives a snapshot the capacity that any of this map's can need.
+  void reserve(CuboidMap& map) const;
+
+ private:
+  /// @param insert what becomes of a return: whether there was room for it.
+  template <typename IsForgotten, typename Insert>
+  Added addReturns(const std::vector<Vector3>& returns, IsForgotten&& isForgotten, Insert&& insert);
+  template <typename IsForgotten>
+  Added addReturns(const std::vector<Vector3>& returns, IsForgotten&& isForgotten);
+  [[nodiscard]] bool insert(const MappedReturn& entry);
+  void note(const MappedReturn& entry);
+  /// What forget() does to a cell.
+  struct Loss {
+    bool near = false;
+    Columns::Heights heights = kNothing;  ///< from the lowest return lost to the highest
+  };
+  static constexpr Columns::Heights kNothing{std::numeric_limits<Height>::max(),
+                                             std::numeric_limits<Height>::min()};
+
+  void markCellsNear(const std::vector<RegionPart>& parts);
+  std::size_t removeReturns(const std::vector<RegionPart>& parts);
+  void restoreColumns();
+  void appendLive(CellIndex cell, CuboidMap& map) const;
+
+  Config config_;
+  Grid grid_;
+  Height thickness_;
+  Columns columns_;
+  ReturnCounts counts_;
+  PartMapRing ring_;
+  ForgottenRegions forgotten_;
+  std::vector<Loss> losses_;  ///< by cell; none between calls of forget()
+  std::uint32_t serial_ = 0;
+  std::uint32_t overflow_serial_ = 0;  ///< of the last scan with points left out
+  Time newest_stamp_;
+};
+
+template <typename Visit>
+void IntegrationMap::expireOldest(Visit&& visit) {
+  columns_.expire(ring_.oldestSerial(), [&](const Columns::Interval& interval) {
+    visit(Leaving{interval.cell, {interval.bottom, interval.top}, interval.serial, interval.born});
+  });
+  ring_.visitOldest(
+      [this](const MappedReturn& entry) { counts_.remove(entry.cell, entry.height); });
+  ring_.dropOldest();
+}
+
+}  // namespace tccm

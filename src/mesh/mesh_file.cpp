@@ -1,0 +1,120 @@
+#include "mesh/mesh_file.h"
+
+#include <array>
+#include <cmath>
+#include <functional>
+#include <unordered_map>
+
+#include "config_error.h"
+#include "mesh/mesh_formats.h"
+#include "mesh/printable.h"
+
+namespace tccm {
+namespace {
+
+constexpr double kFurthest = 1e3;  // [m]; beyond it is a slip of units
+constexpr double kLargestScale = 1e3;
+
+std::string extensionOf(const std::string& uri) {
+  const std::size_t dot = uri.find_last_of("./");
+  if (dot == std::string::npos || uri[dot] == '/') return {};
+  std::string extension = uri.substr(dot + 1);
+  for (char& c : extension) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return extension;
+}
+
+void requireScale(const Vector3& scale) {
+  for (const double factor : {scale.x(), scale.y(), scale.z()}) {
+    if (std::isnan(factor) || factor == 0.0 || std::abs(factor) > kLargestScale) {
+      throw ConfigError("its scale has the factor " + std::to_string(factor) +
+                        ", which is 0 or outside [-1000, 1000]");
+    }
+  }
+}
+
+Mesh readFile(const std::string& content, const std::string& uri, bool apply_up_axis) {
+  if (content.empty()) throw ConfigError("the file is empty");
+  if (content.size() > kMeshBytesMax) throw ConfigError("the file is larger than 256 MB");
+  const std::string extension = extensionOf(uri);
+  if (extension == "stl") return readStl(content);
+  if (extension == "obj") return readObj(content);
+  if (extension == "dae") return readCollada(content, apply_up_axis);
+  throw ConfigError("meshes are read from .stl, .dae and .obj files only");
+}
+
+struct HashCoordinates {
+  std::size_t operator()(const std::array<double, 3>& p) const {
+    std::size_t hash = 0;
+    for (const double value : p) hash = hash * 0x9e3779b97f4a7c15U + std::hash<double>()(value);
+    return hash ^ (hash >> 32U);
+  }
+};
+
+/// Gathers vertices, each place once.
+class VertexMerger {
+ public:
+  std::uint32_t add(const Vector3& p) {
+    if (!(p.cwiseAbs().maxCoeff() <= kFurthest) || !p.allFinite()) {
+      throw ConfigError("a coordinate is not finite, or beyond 1000 m");
+    }
+    const auto next = static_cast<std::uint32_t>(vertices.size());
+    // Adding 0 makes -0 and 0 one place.
+    const auto entry =
+        index_.emplace(std::array<double, 3>{p.x() + 0.0, p.y() + 0.0, p.z() + 0.0}, next);
+    if (entry.second) {
+      if (vertices.size() == kMeshVerticesMax) throw ConfigError("it has over 2 million vertices");
+      vertices.push_back(p);
+    }
+    return entry.first->second;
+  }
+  std::vector<Vector3> vertices;
+
+ private:
+  std::unordered_map<std::array<double, 3>, std::uint32_t, HashCoordinates> index_;
+};
+
+/// Scaled, each vertex once, and every vertex in a triangle.
+Mesh finished(const Mesh& raw, const Vector3& scale) {
+  if (raw.vertices.empty()) throw ConfigError("it holds no geometry: there is no vertex in it");
+  VertexMerger merger;
+  std::vector<std::uint32_t> merged;
+  merged.reserve(raw.vertices.size());
+  for (const Vector3& p : raw.vertices) merged.push_back(merger.add(p.cwiseProduct(scale)));
+
+  Mesh mesh;
+  std::vector<bool> used(merger.vertices.size(), false);
+  mesh.triangles.reserve(raw.triangles.size());
+  for (const Mesh::Triangle& t : raw.triangles) {
+    mesh.triangles.push_back({merged[t[0]], merged[t[1]], merged[t[2]]});
+    for (const std::uint32_t corner : mesh.triangles.back()) used[corner] = true;
+  }
+  for (std::uint32_t i = 0; i < used.size(); ++i) {
+    if (!used[i]) mesh.triangles.push_back({i, i, i});
+  }
+  mesh.vertices = std::move(merger.vertices);
+  return mesh;
+}
+
+}  // namespace
+
+void addFace(const std::vector<std::uint32_t>& corners, Mesh& mesh) {
+  const std::size_t count = corners.size();
+  if (count == 1) mesh.triangles.push_back({corners[0], corners[0], corners[0]});
+  if (count == 2) mesh.triangles.push_back({corners[0], corners[1], corners[1]});
+  for (std::size_t i = 2; i < count; ++i) {
+    mesh.triangles.push_back({corners[0], corners[i - 1], corners[i]});
+  }
+}
+
+Mesh readMesh(const std::string& content, const std::string& uri, const MeshScaling& scaling) {
+  try {
+    requireScale(scaling.scale);
+    return finished(readFile(content, uri, scaling.apply_up_axis), scaling.scale);
+  } catch (const std::exception& error) {  // also where memory does not suffice
+    throw ConfigError(printable(uri) + ": " + error.what());
+  }
+}
+
+}  // namespace tccm

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+
+#include "check/checker.h"
+#include "map/mapper.h"
+#include "robot/body_sampler.h"
+#include "scan/scan_assembler.h"
+
+namespace tccm {
+
+/// What a beam of that kind says of the space along it. It is unclear where it measured nothing, or
+/// its end lies between two surfaces or in the robot's shadow.
+[[nodiscard]] Look::End lookEndOf(BeamKind kind);
+
+/// The map's part of an assembled scan. Reuses the memory of `returns`.
+void takeReturns(const AssembledScan& scan, ScanReturns& returns);
+
+/// All stages joined, time passed in: scan -> map -> check. What the offline programs drive; the
+/// nodelets hold the same stages apart.
+class Monitor {
+ public:
+  struct Config {
+    ScanAssembler::Config assembler;
+    bool self_filter = true;
+    BodySampler::Config body;
+    Mapper::Config mapper;
+    Checker::Config checker;
+  };
+
+  struct ScanOutcome {
+    /// Why nothing was mapped: no_transform, no_joint_states, malformed, blind, out_of_order,
+    /// bad_viewpoint; empty where the scan is in the map.
+    std::string dropped;
+    BeamCounts beams{};
+    IntegrationMap::Added added;
+    double assemble_us = 0.0;
+    double integrate_us = 0.0;  ///< addition and expiry
+    double snapshot_us = 0.0;
+  };
+
+  /// @param model nothing: the surroundings are mapped, and nothing is checked.
+  /// @throws ConfigError
+  Monitor(const Config& config, std::shared_ptr<const RobotModel> model);
+
+  [[nodiscard]] bool hasRobot() const { return checker_ != nullptr; }
+  /// @pre hasRobot()
+  [[nodiscard]] Checker& checker() { return *checker_; }
+  [[nodiscard]] const Checker& checker() const { return *checker_; }
+  /// Nothing where no robot is filtered out.
+  [[nodiscard]] const BodySampler* body() const { return body_.get(); }
+  [[nodiscard]] const Mapper& mapper() const { return mapper_; }
+
+  /// To the self filter and to the checker.
+  void addJoints(Time now, Time stamp, const std::vector<std::string>& names,
+                 const std::vector<double>& positions, const std::vector<double>& velocities);
+  /// @param now when it is processed, by the clock of the stamps.
+  /// @param T_fixed_roots one for each of the model's roots, where a robot is filtered out.
+  /// A scan came in, and waits for transforms.
+  void scanArrived(Time now, Time stamp);
+  /// A scan that came in will not be handed over. @param reason why.
+  void scanDropped(Time now, Time stamp, const std::string& reason);
+  ScanOutcome addScan(Time now, const LaserScan& scan, const PosePath& T_fixed_sensor,
+                      const std::vector<PosePath>& T_fixed_roots);
+  /// The robot holds something from now on: it joins the body for filter and check, and what was
+  /// seen of it leaves the map, also in scans stamped up to now that are still to come.
+  /// @param forget_padding_m what was seen this near to it was the object.
+  /// @throws ConfigError where the object's link cannot be placed, or the object is no good; then
+  /// nothing has changed. @pre hasRobot()
+  void attach(Time now, const AttachedObject& object, double forget_padding_m);
+  /// @return false where no object has that name. @pre hasRobot()
+  bool detach(const std::string& object);
+  /// As at the start: after time has jumped back. Serials go on.
+  void reset();
+  /// The last scan that was assembled, also where the mapper dropped it.
+  [[nodiscard]] const AssembledScan& assembled() const { return assembled_; }
+  /// The points of the last scan.
+  [[nodiscard]] const ScanReturns& returns() const { return returns_; }
+  /// The map after the last scan; none before the first.
+  [[nodiscard]] const CuboidMap* map() const { return maps_[newest_].get(); }
+
+ private:
+  [[nodiscard]] ScanOutcome mapScan(const LaserScan& scan, const PosePath& T_fixed_sensor,
+                                    const std::vector<PosePath>& T_fixed_roots);
+  /// A snapshot for the checker, which may hold the one before.
+  void publishMap(Time now);
+
+  std::unique_ptr<BodySampler> body_;
+  ScanAssembler assembler_;
+  Mapper mapper_;
+  std::unique_ptr<Checker> checker_;
+  AssembledScan assembled_;
+  ScanReturns returns_;
+  std::array<std::shared_ptr<CuboidMap>, 2> maps_;  ///< the checker holds one while the other fills
+  std::size_t newest_ = 0;
+};
+
+}  // namespace tccm

@@ -1,0 +1,350 @@
+#include "nodelets/collision_checker.h"
+
+#include <sensor_msgs/Image.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <algorithm>
+#include <pluginlib/class_list_macros.hpp>
+
+#include "config_error.h"
+#include "nodelets/markers.h"
+#include "nodelets/refusal.h"
+#include "nodelets/status_conversions.h"
+#include "ros/conversions.h"
+#include "ros/robot_description.h"
+#include "stopwatch.h"
+
+namespace tccm {
+namespace {
+
+constexpr double kClockStallMax = 0.5;  // [s] of wall time; recordings' clocks come in bursts
+constexpr double kLatencyMax = 0.2;  // [s] by which margins grow; a slower machine is late anyway
+constexpr double kLatencyForgotten = 0.99;  // kept of the longest latency at each new map
+
+ScanReport fromMessage(const tccm_monitor::ScanReport& message) {
+  using Outcome = ScanReport::Outcome;
+  const Outcome outcome = message.outcome == tccm_monitor::ScanReport::WAITING ? Outcome::kWaiting
+                          : message.outcome == tccm_monitor::ScanReport::ASSEMBLED
+                              ? Outcome::kAssembled
+                              : Outcome::kDropped;
+  return {toTime(message.header.stamp), outcome, message.dropped};
+}
+
+}  // namespace
+
+void CollisionChecker::onInit() {
+  startOrRefuse(getName(), [this] { setUp(); });
+}
+
+void CollisionChecker::setUp() {
+  ros::NodeHandle& node = getNodeHandle();
+  settings_ = readFromServer(getPrivateNodeHandle(), readCheckerSettings);
+  checker_ = std::make_unique<Checker>(sharedRobotModel(node), settings_.checker);
+  NODELET_INFO("Self-test passed: a cuboid in any of %zu primitives is found.",
+               checker_->poseCheckNow().collisionShapes().size());
+  attachments_ = std::make_unique<Attachments>(node, settings_, *checker_);
+  services_ = std::make_unique<CheckerServices>(
+      node, *checker_, [this] { checker_->setOutsideCause(outsideCause()); });
+  for (auto& map : maps_) map = std::make_shared<CuboidMap>();
+  becomeFault(Reason::kInit, "nothing was checked yet");
+  const ros::Duration valid_for(settings_.permission_valid_periods / settings_.publish_rate_hz);
+  permission_ = std::make_unique<PermissionPublisher>(node, settings_.fixed_frame, valid_for);
+  status_publisher_ = node.advertise<tccm_monitor::MonitorStatus>("monitor_status", 10);
+  marker_publisher_ = node.advertise<visualization_msgs::MarkerArray>("robot_markers", 2);
+  image_publisher_ = node.advertise<sensor_msgs::Image>("occlusion_image", 2);
+  setUpDiagnostics();
+  transforms_ = std::make_unique<TransformListener>(
+      node, fromSeconds(settings_.checker.inputs.transform_timeout_s),
+      [this] { receiveTransforms(); });
+  const auto hints = ros::TransportHints().tcpNoDelay();
+  map_subscriber_ = node.subscribe("cuboid_map", 10, &CollisionChecker::receiveMap, this, hints);
+  report_subscriber_ =
+      node.subscribe("scan_report", 50, &CollisionChecker::receiveReport, this, hints);
+  joints_subscriber_ =
+      node.subscribe("joint_states", 200, &CollisionChecker::receiveJoints, this, hints);
+  trajectory_subscriber_ =
+      node.subscribe("trajectory", 20, &CollisionChecker::receiveTrajectory, this, hints);
+  tuning_ = std::make_unique<Tuning>(getPrivateNodeHandle(), getName(), settings_, *checker_);
+  publish_timer_ = node.createWallTimer(ros::WallDuration(1.0 / settings_.publish_rate_hz),
+                                        [this](const ros::WallTimerEvent&) {
+                                          checker_->inputs().setClockStalls(clockStalls());
+                                          attachments_->hurry();
+                                          check();
+                                          publish();
+                                        });
+  picture_timer_ = node.createWallTimer(ros::WallDuration(1.0 / settings_.marker_rate_hz),
+                                        [this](const ros::WallTimerEvent&) { publishPictures(); });
+}
+
+void CollisionChecker::setUpDiagnostics() {
+  ros::NodeHandle& node = getNodeHandle();
+  diagnostics_ =
+      std::make_unique<diagnostic_updater::Updater>(node, getPrivateNodeHandle(), getName());
+  diagnostics_->setHardwareID("none");
+  diagnostics_->add("verdict", this, &CollisionChecker::diagnose);
+  const CheckInputs::Config& limits = settings_.checker.inputs;
+  joints_rate_ = std::make_unique<InputDiagnostics>(*diagnostics_, "joint_states",
+                                                    1.0 / limits.joint_timeout_s,
+                                                    limits.joint_timeout_s, limits.future_max_s);
+  scan_rate_ = std::make_unique<InputDiagnostics>(*diagnostics_, "scan", 1.0 / limits.map_age_max_s,
+                                                  limits.map_age_max_s, limits.future_max_s);
+  map_rate_ =
+      std::make_unique<InputDiagnostics>(*diagnostics_, "cuboid_map", 1.0 / limits.map_age_max_s,
+                                         limits.map_age_max_s, limits.future_max_s);
+  diagnostics_timer_ = node.createWallTimer(
+      ros::WallDuration(0.5), [this](const ros::WallTimerEvent&) { diagnostics_->update(); });
+}
+
+void CollisionChecker::receiveMap(const tccm_monitor::CuboidMap::ConstPtr& message) {
+  newest_map_ = 1 - newest_map_;
+  map_defect_ = tccm::fromMessage(*message, *maps_[newest_map_]);
+  if (map_defect_.empty() &&
+      withoutSlash(message->header.frame_id) != withoutSlash(settings_.fixed_frame)) {
+    map_defect_ = "its frame is '" + message->header.frame_id + "', fixed_frame is '" +
+                  settings_.fixed_frame + "'";
+  }
+  if (!map_defect_.empty()) {
+    newest_map_ = 1 - newest_map_;
+    ++maps_dropped_;
+    NODELET_ERROR_THROTTLE(5.0, "A cuboid_map was dropped: %s.", map_defect_.c_str());
+    return;
+  }
+  map_rate_->tick(message->header.stamp);
+  checker_->setMap(toTime(ros::Time::now()), maps_[newest_map_]);
+  attachments_->mapCame(message->attached_stamp,
+                        toRos(toTime(message->header.stamp) - Duration(message->window.toNSec())));
+  check();
+  publishPermission();
+  noteLatency();
+}
+
+void CollisionChecker::receiveReport(const tccm_monitor::ScanReport::ConstPtr& message) {
+  const ScanReport report = fromMessage(*message);
+  if (report.outcome == ScanReport::Outcome::kWaiting) scan_rate_->tick(message->header.stamp);
+  if (report.outcome == ScanReport::Outcome::kDropped) ++scans_dropped_[report.dropped];
+  if (report.outcome == ScanReport::Outcome::kAssembled) assembled_ = *message;
+  checker_->inputs().addScanReport(toTime(ros::Time::now()), report);
+}
+
+void CollisionChecker::receiveJoints(const sensor_msgs::JointState::ConstPtr& message) {
+  joints_rate_->tick(message->header.stamp);
+  checker_->addJoints(toTime(ros::Time::now()), toTime(message->header.stamp), message->name,
+                      message->position, message->velocity);
+  check();
+}
+
+void CollisionChecker::receiveTrajectory(
+    const trajectory_msgs::JointTrajectory::ConstPtr& message) {
+  const ros::Time now = ros::Time::now();
+  if (now.isZero()) return;
+  const std::string defect = checker_->command(toTime(now), tccm::fromMessage(*message));
+  if (!defect.empty())
+    NODELET_ERROR("A commanded trajectory is not understood: %s.", defect.c_str());
+  check();
+}
+
+void CollisionChecker::receiveTransforms() {
+  if (!checker_ || !transforms_) return;
+  const RobotModel& model = checker_->model();
+  for (std::size_t i = 0; i < model.roots().size(); ++i) {
+    const auto root = transforms_->history().newest(withoutSlash(settings_.fixed_frame),
+                                                    model.links()[model.roots()[i]]);
+    if (root) checker_->setRootPose(i, root->stamp, root->pose, root->is_static);
+  }
+}
+
+void CollisionChecker::placeRootsInFixedFrame() {
+  // Where fixed frame and a root are one, no transform has to be heard.
+  const RobotModel& model = checker_->model();
+  for (std::size_t i = 0; i < model.roots().size(); ++i) {
+    if (model.links()[model.roots()[i]] != withoutSlash(settings_.fixed_frame)) continue;
+    checker_->setRootPose(i, Time(), Pose::Identity(), true);
+  }
+}
+
+void CollisionChecker::becomeFault(Reason reason, const std::string& detail) {
+  fault_ = Verdict();
+  fault_.level = levelOf(reason);
+  fault_.reason = reason;
+  fault_.reasons = {reason};
+  fault_.detail = detail;
+  verdict_ = &fault_;
+}
+
+Cause CollisionChecker::outsideCause() const {
+  Cause cause;
+  if (const char* unknown = attachments_->unknown()) cause = {Reason::kInit, unknown};
+  const double limit_us = 1e6 * settings_.check_time_max_periods / settings_.publish_rate_hz;
+  if (check_us_ > limit_us) {
+    cause = {Reason::kCheckLate,
+             "the last check took " + std::to_string(static_cast<long>(check_us_)) +
+                 " us, at most " + std::to_string(static_cast<long>(limit_us)) + " are allowed"};
+  }
+  return cause;
+}
+
+void CollisionChecker::check() {
+  try {
+    checkNow(ros::Time::now());
+  } catch (const std::exception& error) {  // silence would be worse
+    NODELET_ERROR_THROTTLE(1.0, "The check failed: %s.", error.what());
+    verdict_ = &checker_->fail(toTime(ros::Time::now()), {Reason::kInternal, error.what()});
+  }
+  tellChange(*verdict_);
+  if (verdict_->level > published_) publish();
+}
+
+void CollisionChecker::checkNow(const ros::Time& now) {
+  if (now + ros::Duration(settings_.checker.inputs.future_max_s) < checked_) {
+    attachments_->timeJumpedBack();
+  }
+  checked_ = now;
+  if (now.isZero()) {  // simulated time has not begun, or begins anew
+    checker_->startAnew();
+    return becomeFault(Reason::kInit, "simulated time has not begun");
+  }
+  placeRootsInFixedFrame();
+  checker_->setOutsideCause(outsideCause());
+  Stopwatch stopwatch;
+  verdict_ = &checker_->check(toTime(now));
+  check_us_ = stopwatch.lapMicroseconds();
+  check_us_max_ = std::max(check_us_max_, check_us_);
+  ++checks_;
+  const Cause late = outsideCause();  // as long as this check took
+  if (late.reason == Reason::kCheckLate) verdict_ = &checker_->fail(toTime(now), late);
+  if (checker_->map() && verdict_->serial != seen_serial_) {
+    seen_serial_ = verdict_->serial;
+    latencies_.scan_to_verdict_s = toSeconds(verdict_->stamp - checker_->map()->stamp);
+  }
+  tellOnce();
+}
+
+void CollisionChecker::noteLatency() {
+  if (!checker_->map() || toTime(assembled_.header.stamp) != checker_->map()->stamp) return;
+  latencies_.transform_wait_s = static_cast<double>(assembled_.transform_wait_s);
+  latencies_.ready_to_verdict_s =
+      (ros::WallTime::now() - ros::WallTime(assembled_.ready_wall.sec, assembled_.ready_wall.nsec))
+          .toSec();
+  latencies_.longest_s = std::min(kLatencyMax, std::max(kLatencyForgotten * latencies_.longest_s,
+                                                        latencies_.ready_to_verdict_s));
+  checker_->setLatency(latencies_.longest_s);
+}
+
+void CollisionChecker::tellChange(const Verdict& verdict) {
+  if (told_anything_ && verdict.reason == told_) return;
+  told_anything_ = true;
+  told_ = verdict.reason;
+  const char* reason = tccm::name(verdict.reason);
+  switch (verdict.level) {
+    case Level::kOk:
+      NODELET_INFO("OK: the robot may move.");
+      break;
+    case Level::kSlow:
+      NODELET_INFO("SLOW %s: %s.", reason, verdict.detail.c_str());
+      break;
+    case Level::kStop:
+      NODELET_WARN("STOP %s: %s.", reason, verdict.detail.c_str());
+      break;
+    case Level::kFault:
+      NODELET_WARN("FAULT %s: %s.", reason, verdict.detail.c_str());
+      break;
+  }
+}
+
+void CollisionChecker::tellOnce() {
+  const std::string& defect = checker_->inputs().jointStates().velocityDefect();
+  if (!told_velocity_ && !defect.empty()) {
+    told_velocity_ = true;
+    NODELET_WARN("Velocities are taken from positions where they are larger: %s.", defect.c_str());
+  }
+}
+
+bool CollisionChecker::clockStalls() {
+  const ros::Time now = ros::Time::now();
+  const ros::WallTime wall = ros::WallTime::now();
+  if (now != clock_ || clock_moved_.isZero()) clock_moved_ = wall;
+  clock_ = now;
+  return ros::Time::isSimTime() && !now.isZero() && (wall - clock_moved_).toSec() > kClockStallMax;
+}
+
+void CollisionChecker::publishPermission() {
+  published_ = verdict_->level;
+  permission_->publish(*verdict_, ros::Time::now());
+}
+
+void CollisionChecker::publish() {
+  publishPermission();
+  tccm_monitor::MonitorStatus status;
+  toMessage(*verdict_, *checker_, status);
+  status.header.frame_id = withoutSlash(settings_.fixed_frame);
+  status.scan_to_verdict_s = static_cast<float>(latencies_.scan_to_verdict_s);
+  status.transform_wait_s = static_cast<float>(latencies_.transform_wait_s);
+  status.ready_to_verdict_s = static_cast<float>(latencies_.ready_to_verdict_s);
+  status.check_us = static_cast<float>(check_us_);
+  status_publisher_.publish(status);
+}
+
+void CollisionChecker::publishPictures() {
+  if (verdict_ == &fault_) return;
+  if (marker_publisher_.getNumSubscribers() > 0) {
+    visualization_msgs::MarkerArray markers;
+    toMarkers(*verdict_, *checker_, withoutSlash(settings_.fixed_frame), markers);
+    marker_publisher_.publish(markers);
+  }
+  if (image_publisher_.getNumSubscribers() > 0 && verdict_->placed) {
+    sensor_msgs::Image image;
+    toImage(checker_->poseCheckNow().occlusion().picture(), image);
+    image.header.stamp = toRos(verdict_->stamp);
+    image.header.frame_id = withoutSlash(settings_.fixed_frame);
+    image_publisher_.publish(image);
+  }
+}
+
+void CollisionChecker::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  const Level level = verdict_->level;
+  status.summary(level == Level::kOk      ? DiagnosticStatus::OK
+                 : level == Level::kFault ? DiagnosticStatus::ERROR
+                                          : DiagnosticStatus::WARN,
+                 std::string(tccm::name(verdict_->reason)) + " " + verdict_->detail);
+  status.add("speed scale", verdict_->speed_scale);
+  status.add("checks", checks_);
+  status.add("check [us]", check_us_);
+  status.add("check, longest [us]", check_us_max_);
+  status.add("poses on the way ahead", verdict_->way_poses);
+  if (verdict_->placed) diagnoseEvidence(status);
+  status.add("scan to verdict [s]", latencies_.scan_to_verdict_s);
+  status.add("of that, waiting for transforms [s]", latencies_.transform_wait_s);
+  status.add("scan and transforms to permission [s]", latencies_.ready_to_verdict_s);
+  status.add("the same, longest lately [s]", latencies_.longest_s);
+  if (const CuboidMap* map = checker_->map()) {
+    status.add("map age [s]", toSeconds(verdict_->stamp - map->stamp));
+    status.add("map covers [s]", toSeconds(map->window));
+    status.add("map holds a whole sweep", map->complete ? "yes" : "no");
+    status.add("cuboids", map->cuboids.size());
+    status.add("of them held", heldIn(*map));
+  }
+  status.add("joint states dropped: stamped in the future", checker_->inputs().futureJoints());
+  status.add("cuboid_maps dropped", maps_dropped_);
+  if (!map_defect_.empty()) status.add("last cuboid_map dropped", map_defect_);
+  for (const auto& [reason, count] : scans_dropped_) status.add("scans dropped: " + reason, count);
+  status.add("exemptions", checker_->exemptions().list().size());
+}
+
+void CollisionChecker::diagnoseEvidence(diagnostic_updater::DiagnosticStatusWrapper& status) const {
+  status.add("unseen share of the way ahead", verdict_->unseen_fraction);
+  const std::vector<LinkEvidence>& links = checker_->evidence().findings().links;
+  const auto oldest = std::max_element(
+      links.begin(), links.end(),
+      [](const auto& a, const auto& b) { return a.age_s.value_or(-1.0) < b.age_s.value_or(-1.0); });
+  if (oldest == links.end() || !oldest->age_s) {
+    status.add("oldest evidence [s]", "nothing was seen of the ways");
+  } else {
+    status.add("oldest evidence [s]", *oldest->age_s);
+    status.add("oldest evidence, of", checker_->model().links()[oldest->link]);
+  }
+}
+
+}  // namespace tccm
+
+PLUGINLIB_EXPORT_CLASS(tccm::CollisionChecker, nodelet::Nodelet)

@@ -1,0 +1,173 @@
+#include "nodelets/tccm_mapper.h"
+
+#include <algorithm>
+#include <pluginlib/class_list_macros.hpp>
+
+#include "config_error.h"
+#include "nodelets/markers.h"
+#include "nodelets/refusal.h"
+#include "ros/conversions.h"
+
+namespace tccm {
+
+void TccmMapper::onInit() {
+  startOrRefuse(getName(), [this] { setUp(); });
+}
+
+void TccmMapper::setUp() {
+  ros::NodeHandle& node = getNodeHandle();
+  settings_ = readFromServer(getPrivateNodeHandle(), readMapperSettings);
+  mapper_ = std::make_unique<Mapper>(settings_.mapper);
+  mapper_->reserve(snapshot_);
+  map_publisher_ = node.advertise<tccm_monitor::CuboidMap>("cuboid_map", 10);
+  marker_publisher_ = node.advertise<visualization_msgs::Marker>("cuboid_markers", 4);
+  clear_service_ = node.advertiseService("clear_map", &TccmMapper::clearMap, this);
+  get_service_ = node.advertiseService("get_cuboid_map", &TccmMapper::getCuboidMap, this);
+  cloud_subscriber_ = node.subscribe("scan_cloud", 20, &TccmMapper::receiveCloud, this,
+                                     ros::TransportHints().tcpNoDelay());
+  status_subscriber_ = node.subscribe("monitor_status", 2, &TccmMapper::receiveStatus, this);
+  attached_subscriber_ = node.subscribe("attached_objects", 5, &TccmMapper::receiveAttached, this);
+  marker_timer_ = node.createWallTimer(ros::WallDuration(1.0 / settings_.marker_rate_hz),
+                                       [this](const ros::WallTimerEvent&) { publishMarkers(); });
+  diagnostics_ =
+      std::make_unique<diagnostic_updater::Updater>(node, getPrivateNodeHandle(), getName());
+  diagnostics_->setHardwareID("none");
+  diagnostics_->add("map", this, &TccmMapper::diagnose);
+  diagnostics_timer_ = node.createWallTimer(
+      ros::WallDuration(0.5), [this](const ros::WallTimerEvent&) { diagnostics_->update(); });
+}
+
+void TccmMapper::receiveCloud(const sensor_msgs::PointCloud2::ConstPtr& message) {
+  const std::string defect = fromMessage(*message, returns_);
+  if (!defect.empty()) return drop(defect);
+  if (!frame_.empty() && message->header.frame_id != frame_) {
+    return drop("its frame is '" + message->header.frame_id + "', the map's is '" + frame_ + "'");
+  }
+  const Mapper::Outcome outcome = mapper_->add(returns_);
+  if (!outcome.dropped.empty()) return drop(outcome.dropped);
+  frame_ = message->header.frame_id;
+  ++mapped_;
+  added_.mapped += outcome.added.mapped;
+  added_.out_of_area += outcome.added.out_of_area;
+  publish();
+  mapper_->settle();
+}
+
+void TccmMapper::receiveAttached(const tccm_monitor::AttachedObjects::ConstPtr& message) {
+  if (!frame_.empty() && message->header.frame_id != frame_) {
+    NODELET_ERROR("attached_objects are in frame '%s', the map is in '%s': nothing is forgotten.",
+                  message->header.frame_id.c_str(), frame_.c_str());
+    return;
+  }
+  std::map<std::string, ros::Time> attached;
+  for (const tccm_monitor::AttachedObject& object : message->objects) {
+    attached[object.name] = object.forget_until;
+    const auto known = attached_.find(object.name);
+    if (known != attached_.end() && known->second == object.forget_until) continue;
+    const std::string owner = "object '" + object.name + "'";
+    try {
+      const PlacedShape seen{fromMessage(object.primitive, owner).shape,
+                             fromMessage(object.attached_at, owner)};
+      forgotten_ += mapper_->forget({{seen, object.forget_padding}}, toTime(object.forget_until));
+    } catch (const ConfigError& error) {
+      NODELET_ERROR("Nothing is forgotten of an attached object: %s.", error.what());
+    }
+  }
+  attached_ = std::move(attached);
+  attached_stamp_ = message->header.stamp;
+  if (newest_) publish();
+}
+
+void TccmMapper::drop(const std::string& reason) {
+  ++dropped_;
+  NODELET_WARN_THROTTLE(5.0, "A scan_cloud was dropped: %s.", reason.c_str());
+}
+
+void TccmMapper::publish() {
+  mapper_->snapshot(snapshot_);
+  const auto message = messages_.take();
+  toMessage(snapshot_, frame_, *message);
+  message->attached_stamp = attached_stamp_;
+  label(*message);
+  newest_ = message;
+  map_publisher_.publish(newest_);
+}
+
+void TccmMapper::receiveStatus(const tccm_monitor::MonitorStatus::ConstPtr& message) {
+  flags_ = message->flagged;
+  std::stable_sort(flags_.begin(), flags_.end(),
+                   [](const auto& a, const auto& b) { return a.cell < b.cell; });
+}
+
+void TccmMapper::label(tccm_monitor::CuboidMap& message) const {
+  auto flag = flags_.begin();
+  for (tccm_monitor::Cuboid& cuboid : message.cuboids) {
+    while (flag != flags_.end() && flag->cell < cuboid.cell) ++flag;
+    for (auto same = flag; same != flags_.end() && same->cell == cuboid.cell; ++same) {
+      const bool meets = same->bottom <= cuboid.top && cuboid.top - cuboid.depth <= same->top;
+      // Of both, collision is the graver.
+      if (meets && cuboid.col != tccm_monitor::Cuboid::COLLISION) cuboid.col = same->col;
+    }
+  }
+}
+
+void TccmMapper::publishMarkers() {
+  if (!newest_ || marker_publisher_.getNumSubscribers() == 0) return;
+  for (const CuboidLayer layer : {CuboidLayer::kLive, CuboidLayer::kHeld}) {
+    toMarker(*newest_, layer, settings_.static_windows, marker_);
+    marker_publisher_.publish(marker_);
+  }
+}
+
+bool TccmMapper::clearMap(std_srvs::Trigger::Request& /*request*/,
+                          std_srvs::Trigger::Response& response) {
+  mapper_->clear();
+  response.success = true;
+  response.message = "the map is empty until the next scan, and INIT for a whole window";
+  if (newest_) publish();
+  return true;
+}
+
+bool TccmMapper::getCuboidMap(tccm_monitor::GetCuboidMap::Request& /*request*/,
+                              tccm_monitor::GetCuboidMap::Response& response) {
+  response.success = newest_ != nullptr;
+  if (newest_) {
+    response.map = *newest_;
+  } else {
+    response.message = "no scan was mapped yet";
+  }
+  return true;
+}
+
+void TccmMapper::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  if (mapped_ == 0) {
+    status.summary(DiagnosticStatus::ERROR, "no scan_cloud yet");
+  } else if (snapshot_.overflowed) {
+    status.summary(DiagnosticStatus::ERROR,
+                   "points are left out: raise window_returns_max or intervals_max");
+  } else if (!snapshot_.complete && mapper_->map().scans() == settings_.mapper.map.scans_max) {
+    status.summary(DiagnosticStatus::ERROR, "window_scans_max is too small for the window");
+  } else if (snapshot_.tilt_stopped) {
+    status.summary(DiagnosticStatus::ERROR, "the tilt stands still, or does not go as far");
+  } else if (!snapshot_.complete) {
+    status.summary(DiagnosticStatus::WARN, "the map does not hold a whole window yet");
+  } else {
+    status.summary(DiagnosticStatus::OK, "the map holds the whole window");
+  }
+  status.add("scans mapped", mapped_);
+  status.add("scan_clouds dropped", dropped_);
+  status.add("points mapped", added_.mapped);
+  status.add("points out of area", added_.out_of_area);
+  status.add("points of attached objects forgotten", forgotten_);
+  status.add("cuboids", snapshot_.cuboids.size());
+  status.add("window [scans]", mapper_->map().scans());
+  const auto tilt = mapper_->tiltPeriod();
+  status.add("tilt period [s]", tilt ? std::to_string(toSeconds(*tilt)) : "not measured yet");
+  status.add("held intervals", mapper_->held());
+  status.add("memory [bytes]", mapper_->memoryBytes());
+}
+
+}  // namespace tccm
+
+PLUGINLIB_EXPORT_CLASS(tccm::TccmMapper, nodelet::Nodelet)

@@ -1,0 +1,167 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "fit/primitive_fit.h"
+#include "geometry/shape.h"
+#include "mesh/mesh_file.h"
+#include "robot/link_selector.h"
+#include "robot/link_use.h"
+#include "robot/resources.h"
+
+namespace tccm {
+
+/// A primitive fixed to a link.
+struct LinkShape {
+  std::size_t link;  ///< index into RobotModel::links()
+  Shape shape;
+  Pose T_link_shape;
+  std::string object = {};  ///< the grasped object it belongs to; empty: the robot itself
+};
+
+/// One element of a link's geometry as the URDF states it, and what stands for it.
+struct LinkElement {
+  std::size_t link = 0;  ///< index into RobotModel::links()
+  std::string source;    ///< "box", "cylinder", "sphere", "mesh" or "file" (primitives_file)
+  std::string uri;       ///< of a mesh
+  MeshScaling scaling;   ///< of a mesh
+  Pose T_link_element = Pose::Identity();
+  std::size_t first_shape = 0;  ///< index into RobotModel::shapes()
+  std::size_t shapes = 0;
+  double hull_volume_m3 = 0.0;  ///< of the mesh's convex hull, or of the primitive itself
+  double overhang_m = 0.0;      ///< as in PrimitiveFit
+};
+
+/// One joint of the tree, with what moves it.
+struct RobotJoint {
+  enum class Motion { kFixed, kRotation, kTranslation };
+
+  std::string name;
+  Motion motion = Motion::kFixed;
+  std::size_t parent = 0;  ///< link index, always below child
+  std::size_t child = 0;
+  Pose T_parent_joint = Pose::Identity();  ///< at position 0
+  Vector3 axis = Vector3::UnitX();         ///< in the joint's frame, of length 1
+  /// Index into RobotModel::variables(); of the joint it mimics, where it does.
+  std::size_t variable = 0;
+  double multiplier = 1.0;  ///< position = multiplier * variable + offset
+  double offset = 0.0;
+};
+
+/// A joint whose position has to be known: [rad] or [m].
+struct JointVariable {
+  std::string name;
+  std::optional<double> lower;  ///< nothing for continuous joints
+  std::optional<double> upper;
+};
+
+/// What the robot holds: it moves with a link.
+struct AttachedObject {
+  std::string name;
+  std::string link;
+  PlacedShape primitive;  ///< in the link's frame
+};
+
+/// Where a model finds what its URDF refers to.
+struct RobotResources {
+  ReadResource read;             ///< without it, what refers to files is refused
+  std::string fit_cache_folder;  ///< empty: fits are not kept
+  /// Told before each mesh: how many are done, of how many. May be empty.
+  std::function<void(std::size_t done, std::size_t all)> progress;
+};
+
+/// The links to monitor, the primitives on them, and the joints that move them, read from a URDF.
+/// Joints that move no monitored link are left out: nobody has to publish them. Meshes are covered
+/// by a few primitives each.
+///
+/// Links under a floating or planar joint cannot be placed by joint states. Such a link is a root
+/// of its own, which transforms have to place, as they place the robot's root.
+class RobotModel {
+ public:
+  struct Config {
+    LinkSelector::Groups link_groups;  ///< names for lists of links, to be used in all other lists
+    /// Empty: every link that has a shape.
+    std::vector<std::string> monitored_links;
+    std::vector<std::string> ignored_links;  ///< taken out again
+    /// Links whose cylinders are to be capsules: the same straight part, round ends on top.
+    std::vector<std::string> capsule_links;
+    /// Links whose visual geometry is taken in place of their collision elements, where they have
+    /// any.
+    std::vector<std::string> visual_links;
+    /// Joints that nobody publishes, with the position [rad] or [m] they always have.
+    std::map<std::string, double> fixed_joints;
+    /// Path or URI of a file of primitives, which stand for the shapes of the links in it.
+    std::string primitives_file;
+    bool apply_mesh_up_axis = false;  ///< as MeshScaling::apply_up_axis
+    PrimitiveFitConfig fit;
+
+    /// @throws ConfigError
+    void validate() const;
+    /// All of it as text: equal where the configurations are.
+    [[nodiscard]] std::string text() const;
+  };
+
+  /// @throws ConfigError naming the element, also where a pattern matches no link, or a monitored
+  /// link has no shape, or one that cannot be read.
+  RobotModel(const std::string& urdf, const Config& config, const RobotResources& resources = {});
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  /// Parents come before their children.
+  [[nodiscard]] const std::vector<std::string>& links() const { return links_; }
+  /// Indices of the links that transforms have to place; the robot's own root alone, unless there
+  /// are floating or planar joints.
+  [[nodiscard]] const std::vector<std::size_t>& roots() const { return roots_; }
+  [[nodiscard]] std::vector<std::string> rootLinks() const;
+  [[nodiscard]] const std::vector<RobotJoint>& joints() const { return joints_; }
+  [[nodiscard]] const std::vector<JointVariable>& variables() const { return variables_; }
+  /// Whether a variable is the same after a whole turn: a rotation without limits.
+  [[nodiscard]] bool turnsFreely(std::size_t variable) const;
+  /// Whether the URDF has a joint of that name, also where it moves no monitored link.
+  [[nodiscard]] bool hasJoint(const std::string& joint) const {
+    return all_joints_.count(joint) > 0;
+  }
+  /// Joints that are where the configuration says, whatever is published.
+  [[nodiscard]] const std::map<std::string, double>& fixedJoints() const { return fixed_joints_; }
+  [[nodiscard]] const std::vector<LinkShape>& shapes() const { return shapes_; }
+  [[nodiscard]] const std::string& linkOf(std::size_t shape) const {
+    return links_[shapes_[shape].link];
+  }
+  [[nodiscard]] const std::vector<LinkElement>& elements() const { return elements_; }
+  /// Links of the URDF that have no shape and are not watched therefore.
+  [[nodiscard]] const std::vector<std::string>& linksWithoutShape() const {
+    return links_without_shape_;
+  }
+  /// Why fits could not be kept for the next start; empty where they could.
+  [[nodiscard]] const std::string& cacheDefect() const { return cache_defect_; }
+
+  /// @throws ConfigError naming the key where a name or pattern matches no monitored link.
+  [[nodiscard]] UsedShapes shapesFor(const LinkUse& use, const LinkUse::Keys& keys) const;
+
+  /// The same robot with something in its hand. Joints, links and variables keep their indices.
+  /// @throws ConfigError where the link is not among links(), or the primitive is not valid or
+  /// reaches further than 3 m from its link.
+  [[nodiscard]] RobotModel holding(const std::vector<AttachedObject>& objects) const;
+
+ private:
+  std::string name_;
+  std::shared_ptr<const LinkSelector> selector_;
+  std::vector<std::string> links_;
+  std::vector<std::size_t> roots_;
+  std::vector<RobotJoint> joints_;
+  std::vector<JointVariable> variables_;
+  std::vector<LinkShape> shapes_;
+  std::vector<LinkElement> elements_;
+  std::vector<std::string> links_without_shape_;
+  std::set<std::string> all_joints_;
+  std::map<std::string, double> fixed_joints_;
+  std::string cache_defect_;
+};
+
+}  // namespace tccm

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <tf2/buffer_core.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "geometry/pose.h"
+
+namespace tccm {
+
+/// A tf2 buffer that also knows when each transform was measured, so that nothing is interpolated
+/// across a gap in which a transform was not heard of: tf2 alone would do that silently.
+class TransformHistory {
+ public:
+  /// @param buffer filled by add() alone; outlives this object.
+  /// @param gap_max nothing is interpolated across a longer gap.
+  TransformHistory(tf2::BufferCore& buffer, Duration gap_max, Duration kept);
+
+  /// Where stamps jump back by more than a second, all but static transforms are forgotten.
+  /// Frames may start with a slash. Transforms that tf2 refuses (NaN, no child) are passed over.
+  void add(const tf2_msgs::TFMessage& message, bool is_static);
+  void clear();
+
+  /// How a lookup ended.
+  enum class Status {
+    kFound,
+    kNotYet,  ///< a transform after the instant is missing: it may still come
+    kNever,   ///< the instant lies before what is known, or the frames are not connected
+    kGap,     ///< the transforms around the instant are too far apart
+  };
+  struct Lookup {
+    Status status = Status::kNotYet;
+    Pose pose = Pose::Identity();  ///< T_target_source; meaningless unless kFound
+  };
+  [[nodiscard]] Lookup at(const std::string& target, const std::string& source, Time stamp) const;
+
+  /// Writes the poses from first to last, both included, at most `step` apart.
+  /// @return kFound, or why path is left empty.
+  [[nodiscard]] Status path(const std::string& target, const std::string& source, Time first,
+                            Time last, Duration step, PosePath& path) const;
+
+  /// The newest instant at which source is known in target.
+  struct Newest {
+    Time stamp;
+    Pose pose;
+    bool is_static;  ///< the same frame, or static transforms alone
+  };
+  [[nodiscard]] std::optional<Newest> newest(const std::string& target,
+                                             const std::string& source) const;
+
+  /// Why a scan is dropped, for people and reports.
+  [[nodiscard]] static const char* name(Status status);
+
+ private:
+  [[nodiscard]] std::vector<std::string> movingFrames(const std::string& target,
+                                                      const std::string& source) const;
+  [[nodiscard]] bool jumpsBack(const std::string& child, Time stamp) const;
+  [[nodiscard]] Status around(const std::string& child, Time stamp) const;
+
+  tf2::BufferCore& buffer_;
+  Duration gap_max_;
+  Duration kept_;
+  std::map<std::string, std::deque<Time>> stamps_;  ///< by child frame, ascending
+  std::map<std::string, std::string> parents_;
+  std::map<std::string, bool> static_;
+};
+
+/// Without the slashes that tf1 put in front of frame names.
+[[nodiscard]] std::string withoutSlash(const std::string& frame);
+
+}  // namespace tccm

@@ -1,0 +1,179 @@
+#include "sight/look_image.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "config_error.h"
+
+namespace tccm {
+namespace {
+
+constexpr double kNearest = 1e-3;  // [m]; what is this near has no direction
+
+/// Pixels; a thing as large as a hand shows in directions beside that of its middle.
+constexpr double kNeighbours = 1.0;
+constexpr LookImage::Ticks kSameStroke = 100;  // [ms] between passes in neighbouring directions
+
+/// Whether a pass saw the place itself; what the robot ends on hides all that is behind it.
+bool reached(const LookImage::Pass& pass, double range_m, double margin_m) {
+  using End = LookImage::End;
+  if (pass.end == End::kNever || pass.end == End::kUnclear) return false;
+  return pass.range() >= (pass.end == End::kRobot ? range_m : range_m - margin_m);
+}
+
+double validated(double resolution_rad) {
+  requireInRange("look_resolution_rad", resolution_rad, 0.01, 0.2);
+  return resolution_rad;
+}
+
+}  // namespace
+
+LookImage::LookImage(double resolution_rad)
+    : grid_(validated(resolution_rad)), passes_(grid_.pixels()), row_begin_(grid_.rows()) {}
+
+LookImage::Sight LookImage::at(const Vector3& p_fixed, double margin_m) const {
+  const Vector3 sight = p_fixed - viewpoint_;
+  const double range = sight.norm();
+  if (!(range > kNearest)) return {Sight::Kind::kNeverLooked, epoch_};
+  return at(grid_.pixelOf(sight), range, margin_m);
+}
+
+LookImage::Sight LookImage::at(std::size_t pixel, double range_m, double margin_m) const {
+  Sight sight{Sight::Kind::kNeverLooked, epoch_};
+  const Passes& passes = passes_[pixel];
+  const bool is_regular = std::all_of(passes.begin(), passes.end(), [](const Pass& pass) {
+    return pass.end != End::kNever && !pass.moved;
+  });
+  if (is_regular) sight.looked = timeOf(passes.front().last);
+  for (const Pass& pass : passes) {
+    if (pass.end == End::kNever) break;
+    const bool reaches = pass.range() >= range_m - margin_m;
+    const bool is_clear = pass.end != End::kUnclear;
+    if (is_clear && (reaches || pass.end != End::kRobot)) {
+      sight.kind = reaches ? Sight::Kind::kSeen : Sight::Kind::kBehind;
+      sight.stamp = timeOf(pass.last);
+      return sight;
+    }
+    if (sight.kind == Sight::Kind::kUnclear) continue;
+    sight.kind = Sight::Kind::kUnclear;
+    sight.stamp = timeOf(pass.last);
+  }
+  return sight;
+}
+
+bool LookImage::reachedSince(Time since, std::size_t pixel, double range_m) const {
+  const Passes& passes = passes_[pixel];
+  return std::any_of(passes.begin(), passes.end(), [&](const Pass& pass) {
+    const bool is_clear = pass.end != End::kNever && pass.end != End::kUnclear;
+    return is_clear && timeOf(pass.first) > since && pass.range() >= range_m;
+  });
+}
+
+bool LookImage::inViewSince(Time since, const Vector3& p_fixed, double margin_m) const {
+  const Vector3 sight = p_fixed - viewpoint_;
+  const double range = sight.norm();
+  if (!(range > kNearest)) return false;
+  const auto pixel = static_cast<int>(grid_.pixelOf(sight));
+  const int row = grid_.rowOfPixel(static_cast<std::size_t>(pixel));
+  const int column = pixel - row * grid_.columns();
+  if (row <= row_begin_ || row + 1 >= row_end_) return false;
+  const auto reached = [&](int r, int c) {
+    return reachedSince(since, grid_.index(r, grid_.wrapped(c)), range - margin_m);
+  };
+  return reached(row, column) && reached(row, column - 1) && reached(row, column + 1) &&
+         reached(row - 1, column) && reached(row + 1, column);
+}
+
+Time LookImage::lookedAround(const Vector3& p_fixed, double angle) const {
+  const auto pixel = static_cast<int>(grid_.pixelOf(p_fixed - viewpoint_));
+  const int middle_row = grid_.rowOfPixel(static_cast<std::size_t>(pixel));
+  const int middle = pixel - middle_row * grid_.columns();
+  const int rows = static_cast<int>(std::ceil(angle / grid_.resolution()));
+  Ticks newest = 0;
+  for (int row = std::max(row_begin_, middle_row - rows);
+       row < std::min(row_end_, middle_row + rows + 1); ++row) {
+    const int reach = grid_.columnsWithin(row, angle);
+    for (int c = middle - reach; c <= middle + reach; ++c) {
+      const Pass& pass = passes_[grid_.index(row, grid_.wrapped(c))].front();
+      if (pass.end != End::kNever && !pass.moved) newest = std::max(newest, pass.last);
+    }
+  }
+  return timeOf(newest);
+}
+
+template <typename Visit>
+void LookImage::visitSeen(const Vector3& p_fixed, double margin_m, Visit&& visit) const {
+  const Vector3 sight = p_fixed - viewpoint_;
+  const double range = sight.norm();
+  if (!(range > kNearest)) return;
+  const auto pixel = static_cast<int>(grid_.pixelOf(sight));
+  const int row = grid_.rowOfPixel(static_cast<std::size_t>(pixel));
+  const int column = pixel - row * grid_.columns();
+  const double along_least = range * std::cos(kNeighbours * grid_.resolution());
+  const auto reachedWith = [&](const Pass& own, int r, int c) {
+    if (r < row_begin_ || r >= row_end_) return false;
+    const std::size_t near = grid_.index(r, grid_.wrapped(c));
+    if (grid_.middle(near).dot(sight) < along_least) return false;
+    return std::any_of(passes_[near].begin(), passes_[near].end(), [&](const Pass& pass) {
+      return reached(pass, range, margin_m) && pass.first <= own.last + kSameStroke &&
+             own.first <= pass.last + kSameStroke;
+    });
+  };
+  for (const Pass& own : passes_[static_cast<std::size_t>(pixel)]) {
+    if (own.end == End::kNever) return;
+    const bool is_seen = reached(own, range, margin_m) || reachedWith(own, row, column - 1) ||
+                         reachedWith(own, row, column + 1) || reachedWith(own, row - 1, column) ||
+                         reachedWith(own, row + 1, column);
+    if (is_seen) visit(own);
+  }
+}
+
+bool LookImage::passedSince(Time since, const Vector3& p_fixed, double margin_m) const {
+  bool passed = false;
+  visitSeen(p_fixed, margin_m,
+            [&](const Pass& pass) { passed = passed || timeOf(pass.first) > since; });
+  return passed;
+}
+
+std::optional<Time> LookImage::nextLook(const Vector3& p_fixed, double margin_m, Time now,
+                                        Duration period, Duration late_max) const {
+  std::optional<Time> next;
+  visitSeen(p_fixed, margin_m, [&](const Pass& pass) {
+    const Time due = timeOf(pass.first) + period;
+    if (due >= now - late_max && (!next || due < *next)) next = due;
+  });
+  return next;
+}
+
+void LookImage::clear() {
+  std::fill(passes_.begin(), passes_.end(), Passes());
+  row_begin_ = grid_.rows();
+  row_end_ = 0;
+}
+
+void LookImage::begin(Time epoch, const Vector3& viewpoint) {
+  clear();
+  epoch_ = epoch;
+  viewpoint_ = viewpoint;
+}
+
+void LookImage::copyFrom(const LookImage& other) {
+  if (grid_.rows() != other.grid_.rows()) {
+    *this = other;
+    return;
+  }
+  // With the rows that only this one has, to forget what was in them.
+  const int from = std::min(row_begin_, other.row_begin_);
+  const int to = std::max(row_end_, other.row_end_);
+  if (from < to) {
+    const auto begin = static_cast<std::ptrdiff_t>(grid_.index(from, 0));
+    const auto end = static_cast<std::ptrdiff_t>(grid_.index(to, 0));
+    std::copy(other.passes_.begin() + begin, other.passes_.begin() + end, passes_.begin() + begin);
+  }
+  epoch_ = other.epoch_;
+  viewpoint_ = other.viewpoint_;
+  row_begin_ = other.row_begin_;
+  row_end_ = other.row_end_;
+}
+
+}  // namespace tccm

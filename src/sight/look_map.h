@@ -1,0 +1,81 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "sight/look.h"
+#include "sight/look_image.h"
+#include "time.h"
+
+namespace tccm {
+
+/// Keeps the image of where the sensor looked lately, scan by scan. Directions are those from one
+/// viewpoint, the mean of where the tilting sensor is; where that moves, all that was seen is put
+/// into its directions from there.
+class LookMap {
+ public:
+  struct Config {
+    double resolution_rad = 0.035;  ///< edge of a pixel
+    /// A beam speaks for the directions within this angle of it: at least half of what neighbouring
+    /// scans are apart.
+    double spread_rad = 0.03;
+    double pass_gap_s = 0.1;  ///< looks in one direction that are further apart are two passes
+
+    /// @throws ConfigError
+    void validate() const;
+  };
+
+  /// Allocates all that it will ever use. @throws ConfigError
+  explicit LookMap(const Config& config);
+
+  /// A scan's looks. @pre stamps do not fall.
+  void add(Time stamp, const std::vector<Look>& looks);
+  void clear();
+
+  [[nodiscard]] const LookImage& image() const { return image_; }
+  [[nodiscard]] std::size_t memoryBytes() const;
+
+ private:
+  using Ticks = LookImage::Ticks;
+  using Pass = LookImage::Pass;
+  /// The best look of a pass: the one that came nearest to the pixel's middle.
+  struct Aim {
+    Eigen::Vector3f end = Eigen::Vector3f::Zero();
+    float aim = -4.0F;  ///< cosine of the angle to the pixel's middle, less where it is unclear
+    Ticks stamp = 0;
+    Eigen::Vector3f viewpoint = Eigen::Vector3f::Zero();  ///< the image's, then
+  };
+  using Aims = std::array<Aim, LookImage::kPasses>;
+  struct Beam {
+    Vector3 end;
+    Vector3 direction;
+    Pass pass;
+    std::size_t pixel = 0;  ///< that it falls into
+    double aim = 0.0;       ///< as Aim's, at that pixel
+  };
+  void follow(const Vector3& viewpoint);
+  void moveTo(const Vector3& viewpoint);
+  [[nodiscard]] std::optional<Beam> beamTo(const Vector3& end, const Pass& pass) const;
+  /// Hands row, column and aim to note for each pixel that the beam speaks for.
+  template <typename Note>
+  void spread(const Beam& beam, Note&& note) const;
+  void note(const Beam& beam);
+  void note(int row, int column, const Beam& beam, float aim);
+  void noteAgain(int row, int column, std::size_t k, const Beam& beam, const Aim& old, float aim);
+
+  Config config_;
+  LookImage image_;
+  double spread_cosine_;
+  int rows_within_;                  ///< of the spread
+  std::vector<int> columns_within_;  ///< by row
+  Ticks pass_gap_;
+  std::vector<Aims> aims_;
+  bool started_ = false;
+  Vector3 mean_viewpoint_ = Vector3::Zero();  ///< lately
+  LookImage old_image_;                       ///< before a move
+  std::vector<Aims> old_aims_;
+};
+
+}  // namespace tccm

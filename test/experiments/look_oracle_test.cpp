@@ -1,0 +1,93 @@
+#include "experiments/look_oracle.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "simulation/robot/dual_arm.h"
+
+namespace tccm::simulation {
+namespace {
+
+/// A robot that stands before nothing, watched for some seconds.
+class LookOracleTest : public ::testing::Test {
+ protected:
+  LookOracleTest() {
+    Simulator::Config config;
+    config.scene = "empty";
+    Simulator simulator(config);
+    simulator.setStop(true);
+    start_ = simulator.now();
+    while (simulator.now() < start_ + std::chrono::seconds(10)) {
+      const StepOutput output = simulator.step();
+      if (output.scan) oracle_.add(output.scan->scan, simulator.now());
+      if (output.robot) oracle_.add(*output.robot);
+    }
+  }
+
+  /// Straight ahead, where the laser looks at a tilt.
+  [[nodiscard]] Vector3 ahead(double tilt_rad, double range_m = 1.0) const {
+    return laserOrigin(model_, tilt_rad) +
+           range_m * Vector3(std::cos(tilt_rad), 0.0, -std::sin(tilt_rad));
+  }
+  /// [s] after the start
+  [[nodiscard]] double firstLook(double after_s, const Vector3& p) const {
+    const auto look = oracle_.firstLook(start_ + fromSeconds(after_s), p);
+    return look ? toSeconds(look->beam - start_) : -1.0;
+  }
+
+  std::shared_ptr<const RobotModel> model_ = dualArm();
+  LookOracle oracle_{{}, model_};
+  Time start_;
+};
+
+TEST_F(LookOracleTest, TheMiddleOfTheTiltIsLookedAtTwiceAPeriod) {
+  const Vector3 p = ahead(TiltMotion().mean_rad);
+  double now = 0.5;
+  for (int i = 0; i < 8; ++i) {
+    const double look = firstLook(now, p);
+    EXPECT_GT(look, now);
+    const double phase = std::fmod(look + 0.03, TiltMotion().period_s / 2.0);
+    EXPECT_LT(phase, 0.06) << look;
+    now = look + 0.1;
+  }
+}
+
+TEST_F(LookOracleTest, ATurningPointIsLookedAtOnceAPeriod) {
+  const TiltMotion tilt;
+  const Vector3 p = ahead(tilt.mean_rad + tilt.amplitude_rad);
+  const double once = firstLook(1.0, p);
+  EXPECT_NEAR(std::fmod(once, tilt.period_s), 0.25 * tilt.period_s, 0.15);
+  EXPECT_NEAR(firstLook(once + 0.5, p), once + tilt.period_s, 0.05);
+}
+
+TEST_F(LookOracleTest, WhatLiesOutOfTheTiltsRangeIsNeverLookedAt) {
+  EXPECT_EQ(firstLook(1.0, ahead(0.1)), -1.0);
+  EXPECT_EQ(firstLook(1.0, ahead(1.45)), -1.0);
+}
+
+TEST_F(LookOracleTest, WhatTheRobotHidesIsNotLookedAt) {
+  // Through the right hand, which rests ahead of the body.
+  Simulator simulator({});
+  Kinematics kinematics(model_);
+  kinematics.update(armPath(model_, "reach").positions(0.0), {Pose::Identity()});
+  const Vector3 hand =
+      kinematics.linkPoses()[linkIndex(*model_, "right_palm_link")] * Vector3(0.0, 0.0, -0.045);
+  const Vector3 sensor = laserOrigin(model_, TiltMotion().mean_rad);
+  const Vector3 behind = sensor + 1.2 * (hand - sensor);
+  EXPECT_EQ(firstLook(1.0, behind), -1.0);
+}
+
+TEST_F(LookOracleTest, AScanIsMappedAfterItsBeams) {
+  const auto look = oracle_.firstLook(start_ + fromSeconds(1.0), ahead(TiltMotion().mean_rad));
+  ASSERT_TRUE(look);
+  EXPECT_GT(look->mapped, look->beam);
+  EXPECT_LT(look->mapped - look->beam, fromSeconds(0.03));
+}
+
+TEST_F(LookOracleTest, AfterTheLastBeamThereIsNoLook) {
+  EXPECT_EQ(firstLook(10.1, ahead(TiltMotion().mean_rad)), -1.0);
+}
+
+}  // namespace
+}  // namespace tccm::simulation

@@ -1,0 +1,352 @@
+#include "nodelets/markers.h"
+
+#include <gtest/gtest.h>
+#include <sensor_msgs/image_encodings.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+
+#include "ros/conversions.h"
+#include "support/cuboid_scene.h"
+#include "support/look_around.h"
+#include "support/tiny_robot.h"
+
+namespace tccm {
+namespace {
+
+using visualization_msgs::Marker;
+
+constexpr int kStatic = 3;
+
+class CuboidMarkerTest : public ::testing::Test {
+ protected:
+  CuboidMarkerTest() {
+    CuboidMap map = test::emptyMap();
+    test::addCuboid(map, *map.grid.cellOf(Vector3(0.51, 0.21, 0.5)), 0.70, 0.75);
+    toMessage(map, "odom", map_);
+  }
+  Marker marker(CuboidLayer layer = CuboidLayer::kLive) {
+    Marker marker;
+    toMarker(map_, layer, kStatic, marker);
+    return marker;
+  }
+  /// Red, green and blue of the brightest face.
+  std::array<float, 3> colour(CuboidLayer layer = CuboidLayer::kLive) {
+    const Marker drawn = marker(layer);
+    const auto brightest = std::max_element(
+        drawn.colors.begin(), drawn.colors.end(),
+        [](const auto& a, const auto& b) { return a.r + a.g + a.b < b.r + b.g + b.b; });
+    return {brightest->r, brightest->g, brightest->b};
+  }
+  tccm_monitor::CuboidMap map_;
+};
+
+TEST_F(CuboidMarkerTest, ACuboidIsTwelveTriangles) {
+  const Marker drawn = marker();
+  EXPECT_EQ(drawn.type, Marker::TRIANGLE_LIST);
+  EXPECT_EQ(drawn.action, Marker::ADD);
+  EXPECT_EQ(drawn.header.frame_id, "odom");
+  EXPECT_EQ(drawn.points.size(), 36U);
+  EXPECT_EQ(drawn.colors.size(), 36U);
+}
+
+TEST_F(CuboidMarkerTest, ItReachesFromItsCellsCornerToTheOther) {
+  UprightBox extent;
+  for (const auto& p : marker().points) extent.extend(Vector3(p.x, p.y, p.z));
+  EXPECT_TRUE(extent.min().isApprox(Vector3(0.50, 0.20, 0.70), 1e-6)) << extent.min().transpose();
+  EXPECT_TRUE(extent.max().isApprox(Vector3(0.52, 0.22, 0.75), 1e-6)) << extent.max().transpose();
+}
+
+TEST_F(CuboidMarkerTest, EveryTriangleLooksOutwards) {
+  const Marker drawn = marker();
+  const Vector3 centre(0.51, 0.21, 0.725);
+  for (std::size_t i = 0; i < drawn.points.size(); i += 3) {
+    const auto corner = [&](std::size_t k) {
+      const auto& p = drawn.points[i + k];
+      return Vector3(p.x, p.y, p.z);
+    };
+    const Vector3 normal = (corner(1) - corner(0)).cross(corner(2) - corner(0));
+    EXPECT_GT(normal.norm(), 0.0);
+    EXPECT_GT(normal.dot(corner(0) - centre), 0.0) << i / 3;
+  }
+}
+
+TEST_F(CuboidMarkerTest, ColoursTellStaticDynamicCollisionAndOcclusionApart) {
+  map_.cuboids[0].dyn = kStatic;
+  const auto fixed = colour();
+  EXPECT_GT(fixed[1], std::max(fixed[0], fixed[2])) << "static is green";
+  map_.cuboids[0].dyn = kStatic - 1;
+  const auto moving = colour();
+  EXPECT_GT(moving[0], 2.0F * std::max(moving[1], moving[2])) << "dynamic is red";
+  map_.cuboids[0].col = tccm_monitor::Cuboid::COLLISION;
+  const auto collision = colour();
+  EXPECT_GT(std::min(collision[0], collision[2]), 0.5F) << "collision is magenta";
+  EXPECT_LT(collision[1], 0.2F);
+  map_.cuboids[0].col = tccm_monitor::Cuboid::OCCLUSION;
+  const auto occlusion = colour();
+  EXPECT_GT(occlusion[2], 2.0F * std::max(occlusion[0], occlusion[1])) << "occlusion is blue";
+}
+
+TEST_F(CuboidMarkerTest, HeldCuboidsAreVioletAndTranslucentInANamespaceOfTheirOwn) {
+  map_.cuboids[0].held = 1;
+  map_.cuboids[0].dyn = kStatic;
+  EXPECT_EQ(marker().action, Marker::DELETE) << "no part of the live map";
+  const Marker drawn = marker(CuboidLayer::kHeld);
+  EXPECT_EQ(drawn.action, Marker::ADD);
+  EXPECT_EQ(drawn.points.size(), 36U);
+  EXPECT_NE(drawn.ns, marker().ns);
+  for (const auto& corner : drawn.colors) EXPECT_LT(corner.a, 1.0F);
+  const auto violet = colour(CuboidLayer::kHeld);
+  EXPECT_GT(violet[2], violet[0]);
+  EXPECT_GT(violet[0], violet[1]);
+  map_.cuboids[0].col = tccm_monitor::Cuboid::COLLISION;
+  const auto collision = colour(CuboidLayer::kHeld);
+  EXPECT_GT(std::min(collision[0], collision[2]), 0.5F) << "magenta, as a live one";
+  EXPECT_LT(collision[1], 0.2F);
+}
+
+TEST_F(CuboidMarkerTest, LiveCuboidsAreNotAmongTheHeld) {
+  EXPECT_EQ(marker(CuboidLayer::kHeld).action, Marker::DELETE);
+  EXPECT_TRUE(marker(CuboidLayer::kHeld).points.empty());
+}
+
+TEST_F(CuboidMarkerTest, AnEmptyMapDeletesWhatWasDrawn) {
+  Marker drawn = marker();
+  map_.cuboids.clear();
+  toMarker(map_, CuboidLayer::kLive, kStatic, drawn);
+  EXPECT_EQ(drawn.action, Marker::DELETE);
+  EXPECT_TRUE(drawn.points.empty());
+}
+
+class RobotMarkerTest : public ::testing::Test {
+ protected:
+  /// The hand is at x = 0.5 m.
+  const Verdict& judge(const CuboidMap& map, double velocity = 0.0) {
+    const Time now = map.stamp + fromSeconds(0.01);
+    checker_.setRootPose(0, Time(), Pose::Identity(), true);
+    for (const double before : {0.04, 0.0}) {
+      checker_.addJoints(now, now - fromSeconds(before), {"slide", "glide"},
+                         {0.5 - before * velocity, 0.3}, {velocity, 0.0});
+    }
+    checker_.setMap(now, std::make_shared<const CuboidMap>(map));
+    return checker_.check(now);
+  }
+  visualization_msgs::MarkerArray draw(const Verdict& verdict) {
+    visualization_msgs::MarkerArray markers;
+    toMarkers(verdict, checker_, "odom", markers);
+    return markers;
+  }
+  std::vector<Marker> draw(const Verdict& verdict, const std::string& name) {
+    std::vector<Marker> drawn;
+    for (const Marker& marker : draw(verdict).markers) {
+      if (marker.ns == name) drawn.push_back(marker);
+    }
+    return drawn;
+  }
+  static CuboidMap scene() {
+    CuboidMap map = test::emptyMap();
+    map.stamp = Time(fromSeconds(100.0));
+    map.viewpoint = Vector3(0.0, 0.0, 1.9);
+    test::lookAround(map);
+    return map;
+  }
+  Checker checker_{test::sliderModel(), {}};
+};
+
+TEST_F(RobotMarkerTest, EachPrimitiveIsDrawnNowAndAheadWhereItIs) {
+  const auto markers = draw(judge(scene())).markers;
+  // Two balls: now, ahead, as drawn for occlusion, and the age of what is known; and the text.
+  ASSERT_EQ(markers.size(), 9U);
+  const Marker& hand = markers.front();
+  EXPECT_EQ(hand.type, Marker::SPHERE);
+  EXPECT_EQ(hand.header.frame_id, "odom");
+  EXPECT_NEAR(hand.pose.position.x, 0.5, 1e-9);
+  EXPECT_NEAR(hand.pose.position.z, 0.5, 1e-9);
+  EXPECT_NEAR(hand.scale.x, 2.0 * (0.05 + 0.03), 1e-9) << "as it is checked: padded";
+  EXPECT_EQ(std::count_if(markers.begin(), markers.end(),
+                          [](const Marker& m) { return m.ns == "ahead"; }),
+            2);
+  EXPECT_EQ(markers.back().type, Marker::TEXT_VIEW_FACING);
+  EXPECT_EQ(markers.back().text, "OK CLEAR\nspeed 0 %") << "it rises from there";
+}
+
+TEST_F(RobotMarkerTest, WhatIsTouchedFirstAndWhatIsExemptAreShown) {
+  CuboidMap map = scene();
+  const CellIndex cell = *map.grid.cellOf(Vector3(0.5, 0.01, 0.5));
+  test::addCuboid(map, cell, 0.45, 0.55);
+  const PlacedShape region{Box{Vector3(0.1, 0.2, 0.3)}, Pose(Eigen::Translation3d(0.7, -0.9, 0.5))};
+  judge(map);
+  checker_.addExemption(map.stamp + fromSeconds(0.01), {"gripper", "hand", region, {}}, 1.0);
+  std::map<std::string, Marker> by_namespace;
+  for (const Marker& marker : draw(judge(map)).markers) by_namespace[marker.ns] = marker;
+  ASSERT_EQ(by_namespace.count("first contact"), 1U);
+  const Marker& first = by_namespace["first contact"];
+  EXPECT_NEAR(first.pose.position.x, map.grid.centre(cell).x(), 1e-9);
+  EXPECT_NEAR(first.pose.position.z, 0.5, 1e-9);
+  EXPECT_NEAR(first.scale.z, 0.11, 1e-6);
+  ASSERT_EQ(by_namespace.count("exemptions"), 1U);
+  EXPECT_NEAR(by_namespace["exemptions"].pose.position.y, -0.9, 1e-9);
+  EXPECT_NEAR(by_namespace["exemptions"].scale.z, 0.6, 1e-9);
+  EXPECT_NE(by_namespace["status"].text.find("hand 0 mm clear"), std::string::npos)
+      << by_namespace["status"].text;
+}
+
+TEST_F(RobotMarkerTest, ThePrimitivesOfEachUseHaveANamespaceAndIdsOfTheirOwn) {
+  const auto markers = draw(judge(scene())).markers;
+  std::map<std::string, std::set<int>> ids;
+  for (const Marker& marker : markers) {
+    EXPECT_TRUE(ids[marker.ns].insert(marker.id).second) << marker.ns << ' ' << marker.id;
+    EXPECT_EQ(marker.action, Marker::ADD);
+  }
+  EXPECT_EQ(ids.size(), 5U);
+  EXPECT_EQ(ids["now"].size(), 2U);
+  EXPECT_EQ(ids["ahead"].size(), 2U);
+  EXPECT_EQ(ids["occlusion"].size(), 2U);
+  EXPECT_EQ(ids["evidence age"].size(), 2U);
+  EXPECT_EQ(ids["status"].size(), 1U);
+  const auto unpadded = std::find_if(markers.begin(), markers.end(),
+                                     [](const Marker& m) { return m.ns == "occlusion"; });
+  EXPECT_NEAR(unpadded->scale.x, 2.0 * 0.05, 1e-9);
+}
+
+TEST_F(RobotMarkerTest, WhatTheHandHoldsIsDrawnWithIt) {
+  AttachedObject mug{"mug", "hand", {Capsule{0.03, 0.05}}};
+  mug.primitive.pose.translation().x() = 0.12;
+  checker_.attach(mug);
+  const auto markers = draw(judge(scene())).markers;
+  const auto cylinder = std::find_if(markers.begin(), markers.end(), [](const Marker& m) {
+    return m.type == Marker::CYLINDER && m.ns == "now";
+  });
+  ASSERT_NE(cylinder, markers.end());
+  EXPECT_NEAR(cylinder->pose.position.x, 0.62, 1e-9);
+  EXPECT_NEAR(cylinder->scale.x, 2.0 * (0.03 + 0.03), 1e-9);
+  EXPECT_EQ(
+      std::count_if(markers.begin(), markers.end(), [](const Marker& m) { return m.ns == "now"; }),
+      5)
+      << "two balls, and a capsule's three parts";
+}
+
+TEST(SelfFilterMarkersTest, TheBodyIsDrawnAsFarAsItIsFilteredOut) {
+  BodySample sample;
+  sample.stamp = Time(fromSeconds(7.0));
+  sample.body.shapes = {Sphere{0.05}, Box{Vector3(0.1, 0.2, 0.3)}, Capsule{0.03, 0.1}};
+  sample.body.poses = {test::placedAt(1.0, 0.0, 0.0), test::placedAt(0.0, 2.0, 0.0),
+                       test::placedAt(0.0, 0.0, 3.0)};
+  sample.body.paddings_m = {0.06, 0.0, 0.01};
+  visualization_msgs::MarkerArray drawn;
+  drawn.markers.resize(9);
+  toMarkers(sample, "odom", drawn);
+  const auto& markers = drawn.markers;
+  ASSERT_EQ(markers.size(), 5U) << "what was there before is gone";
+  std::set<int> ids;
+  for (const Marker& marker : markers) {
+    EXPECT_EQ(marker.ns, "self filter");
+    EXPECT_EQ(marker.header.frame_id, "odom");
+    EXPECT_EQ(marker.header.stamp, ros::Time(7.0));
+    EXPECT_GT(marker.lifetime, ros::Duration(0.0)) << "a body that is not placed any more vanishes";
+    EXPECT_TRUE(ids.insert(marker.id).second);
+  }
+  EXPECT_EQ(markers[0].type, Marker::SPHERE);
+  EXPECT_NEAR(markers[0].scale.x, 0.22, 1e-9);
+  EXPECT_NEAR(markers[0].pose.position.x, 1.0, 1e-9);
+  EXPECT_EQ(markers[1].type, Marker::CUBE);
+  EXPECT_NEAR(markers[1].scale.z, 0.6, 1e-9);
+  EXPECT_NEAR(markers[1].pose.position.y, 2.0, 1e-9);
+  EXPECT_EQ(markers[2].type, Marker::CYLINDER);
+  EXPECT_NEAR(markers[2].scale.x, 0.08, 1e-9);
+  EXPECT_NEAR(markers[2].scale.z, 0.2, 1e-9);
+  EXPECT_NEAR(markers[4].pose.position.z, 3.1, 1e-9);
+}
+
+TEST(SelfFilterMarkersTest, ABodyWithoutPaddingsIsDrawnAsItIs) {
+  BodySample sample;
+  sample.body.shapes = {Sphere{0.05}};
+  sample.body.poses = {Pose::Identity()};
+  visualization_msgs::MarkerArray drawn;
+  toMarkers(sample, "odom", drawn);
+  ASSERT_EQ(drawn.markers.size(), 1U);
+  EXPECT_NEAR(drawn.markers[0].scale.x, 0.1, 1e-9);
+}
+
+TEST_F(RobotMarkerTest, WhatTouchesTheMapIsMagentaAndTheTextSaysWhy) {
+  CuboidMap map = scene();
+  test::addCuboid(map, *map.grid.cellOf(Vector3(0.5, 0.01, 0.5)), 0.45, 0.55);
+  const auto markers = draw(judge(map)).markers;
+  EXPECT_GT(markers[0].color.b, 0.5F);
+  EXPECT_LT(markers[0].color.g, 0.2F);
+  EXPECT_GT(markers[1].color.g, 0.5F) << "the other ball touches nothing";
+  EXPECT_EQ(markers.back().text.rfind("STOP COLLISION\n", 0), 0U) << markers.back().text;
+}
+
+TEST_F(RobotMarkerTest, ARobotThatCouldNotBePlacedIsNotDrawn) {
+  const auto markers = draw(checker_.check(Time(fromSeconds(100.0)))).markers;
+  ASSERT_EQ(markers.size(), 1U);
+  EXPECT_EQ(markers[0].text.rfind("STOP INIT", 0), 0U);
+}
+
+TEST_F(RobotMarkerTest, TheUnseenWayAheadIsShownAsPlacesAndAsAShare) {
+  EXPECT_TRUE(draw(judge(scene(), 0.3), "unseen ahead").empty());
+  CuboidMap map = scene();
+  map.looks.clear();
+  const Verdict& verdict = judge(map, 0.3);
+  const auto unseen = draw(verdict, "unseen ahead");
+  ASSERT_EQ(unseen.size(), 1U);
+  EXPECT_EQ(unseen[0].type, Marker::CUBE_LIST);
+  EXPECT_EQ(unseen[0].header.frame_id, "odom");
+  EXPECT_LT(unseen[0].color.a, 1.0F);
+  EXPECT_EQ(unseen[0].points.size(), checker_.evidence().unseenPlaces().size());
+  ASSERT_FALSE(unseen[0].points.empty());
+  for (const auto& p : unseen[0].points) {
+    EXPECT_GT(p.x, 0.5) << "where the hand goes";
+    EXPECT_NEAR(p.y, 0.0, 0.1);
+  }
+  const std::string text = draw(verdict, "status").at(0).text;
+  EXPECT_NE(text.find(", 100 % unseen"), std::string::npos) << text;
+}
+
+TEST_F(RobotMarkerTest, AtEachLinkTheAgeOfWhatIsKnownIsWrittenFromGreenToRed) {
+  CuboidMap map = scene();
+  const auto fresh = draw(judge(map), "evidence age");
+  ASSERT_EQ(fresh.size(), 2U);
+  EXPECT_EQ(fresh[0].text, "0.0 s");
+  EXPECT_NEAR(fresh[0].pose.position.x, 0.5, 1e-9);
+  EXPECT_GT(fresh[0].color.g, 0.9F);
+  EXPECT_LT(fresh[0].color.r, 0.1F);
+  map.stamp += fromSeconds(2.99);
+  const auto old = draw(judge(map), "evidence age");
+  ASSERT_EQ(old.size(), 2U);
+  EXPECT_EQ(old[0].text, "3.0 s");
+  EXPECT_LT(old[0].color.g, 0.1F) << "older than evidence_stop_periods";
+  EXPECT_GT(old[0].color.r, 0.9F);
+  map.looks.clear();
+  EXPECT_EQ(draw(judge(map), "evidence age").at(0).text, "?");
+}
+
+TEST_F(RobotMarkerTest, TheOcclusionImageShowsLinksAndWhatHidesThem) {
+  CuboidMap map = scene();
+  sensor_msgs::Image image;
+  judge(map);
+  toImage(checker_.poseCheckNow().occlusion().picture(), image);
+  ASSERT_EQ(image.encoding, sensor_msgs::image_encodings::RGB8);
+  ASSERT_EQ(image.data.size(), std::size_t{3} * image.width * image.height);
+  const auto pixels = [&image](bool blue) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < image.data.size(); i += 3) {
+      const bool lit = image.data[i + 2] > 0;
+      if (lit && (image.data[i + 2] > image.data[i]) == blue) ++count;
+    }
+    return count;
+  };
+  EXPECT_GT(pixels(false), 0U);
+  EXPECT_EQ(pixels(true), 0U);
+  test::addBlock(map, UprightBox(Vector3(0.2, -0.2, 1.0), Vector3(0.4, 0.2, 1.1)));
+  test::lookAround(map);
+  EXPECT_EQ(judge(map).reason, Reason::kOcclusion);
+  toImage(checker_.poseCheckNow().occlusion().picture(), image);
+  EXPECT_GT(pixels(true), 0U);
+}
+
+}  // namespace
+}  // namespace tccm
