@@ -19,6 +19,7 @@ add_service_files(FILES
 generate_messages(DEPENDENCIES geometry_msgs sensor_msgs std_msgs trajectory_msgs)
 generate_dynamic_reconfigure_options(cfg/CollisionChecker.cfg)
 
+find_package(Eigen3 REQUIRED)  # says where it is as EIGEN3_INCLUDE_DIRS
 catkin_package(
   INCLUDE_DIRS include
   LIBRARIES tccm_monitor_core

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "config_error.h"
 #include "experiments/draw.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
 namespace {

@@ -5,10 +5,10 @@
 #include <iterator>
 #include <limits>
 
-#include "config_error.h"
 #include "experiments/draw.h"
 #include "geometry/ray.h"
 #include "simulation/robot/dual_arm.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
 namespace {

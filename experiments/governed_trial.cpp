@@ -5,10 +5,10 @@
 #include <stdexcept>
 #include <utility>
 
-#include "config_error.h"
 #include "experiments/draw.h"
 #include "experiments/reaching_about.h"
 #include "simulation/robot/dual_arm.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
 namespace {

@@ -5,11 +5,11 @@
 #include <optional>
 #include <stdexcept>
 
-#include "config_error.h"
 #include "experiments/draw.h"
 #include "experiments/robot_part.h"
 #include "simulation/clearance.h"
 #include "simulation/robot/dual_arm.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
 namespace {

@@ -5,9 +5,9 @@
 #include <limits>
 #include <utility>
 
-#include "config_error.h"
 #include "geometry/distance.h"
 #include "simulation/robot/dual_arm.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
 

@@ -5,10 +5,10 @@
 #include <stdexcept>
 #include <utility>
 
-#include "config_error.h"
 #include "robot/kinematics.h"
 #include "robot/link_selector.h"
 #include "simulation/robot/dual_arm.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
 namespace {

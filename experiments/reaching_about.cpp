@@ -4,8 +4,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "config_error.h"
 #include "experiments/draw.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
 namespace {

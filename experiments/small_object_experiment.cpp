@@ -2,12 +2,12 @@
 #include <memory>
 #include <vector>
 
-#include "config_error.h"
 #include "experiments/csv.h"
 #include "experiments/experiment.h"
 #include "experiments/parallel.h"
 #include "experiments/small_object_trial.h"
 #include "simulation/robot/dual_arm.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
 namespace {

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <utility>
 
-#include "config_error.h"
 #include "experiments/draw.h"
 #include "experiments/true_visibility.h"
 #include "simulation/robot/dual_arm.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
 namespace {

@@ -6,11 +6,11 @@
 #include <limits>
 #include <utility>
 
-#include "config_error.h"
 #include "experiments/draw.h"
 #include "experiments/exact_clearance.h"
 #include "geometry/overlap.h"
 #include "simulation/robot/dual_arm.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
 namespace {

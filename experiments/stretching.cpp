@@ -5,9 +5,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "config_error.h"
 #include "experiments/draw.h"
 #include "simulation/posture_check.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
 namespace {

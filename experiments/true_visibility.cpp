@@ -5,8 +5,8 @@
 #include <limits>
 #include <optional>
 
-#include "config_error.h"
 #include "geometry/ray.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
 namespace {

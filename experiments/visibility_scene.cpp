@@ -5,7 +5,6 @@
 #include <optional>
 #include <random>
 
-#include "config_error.h"
 #include "experiments/draw.h"
 #include "experiments/robot_part.h"
 #include "robot/kinematics.h"
@@ -13,6 +12,7 @@
 #include "simulation/obstacle.h"
 #include "simulation/robot/dual_arm.h"
 #include "simulation/wander.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
 namespace {

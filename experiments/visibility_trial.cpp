@@ -4,9 +4,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "config_error.h"
 #include "experiments/visibility_scene.h"
 #include "simulation/robot/dual_arm.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
 namespace {

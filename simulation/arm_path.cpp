@@ -6,8 +6,8 @@
 #include <map>
 #include <stdexcept>
 
-#include "config_error.h"
 #include "simulation/robot/dual_arm.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "robot/robot_model.h"
-#include "time.h"
+#include "tccm_monitor/time.h"
 
 namespace tccm::simulation {
 

@@ -5,8 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "base/stopwatch.h"
 #include "simulation/robot/dual_arm.h"
-#include "stopwatch.h"
 
 namespace tccm::simulation {
 namespace {

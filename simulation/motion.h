@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "time.h"
+#include "tccm_monitor/time.h"
 
 namespace tccm::simulation {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "config_error.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "config_error.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "simulation/motion.h"
-#include "time.h"
+#include "tccm_monitor/time.h"
 
 namespace tccm::simulation {
 

@@ -7,9 +7,9 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "config_error.h"
 #include "simulation/messages.h"
 #include "simulation/simulator.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
 namespace {

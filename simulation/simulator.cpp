@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "config_error.h"
 #include "simulation/robot/dual_arm.h"
 #include "simulation/wander.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
 namespace {

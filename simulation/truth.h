@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "geometry/pose.h"
-#include "time.h"
+#include "tccm_monitor/time.h"
 
 namespace tccm::simulation {
 

@@ -6,9 +6,9 @@
 #include <optional>
 #include <random>
 
-#include "config_error.h"
 #include "simulation/posture_check.h"
 #include "simulation/robot/dual_arm.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
 namespace {

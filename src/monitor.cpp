@@ -1,7 +1,7 @@
 #include "monitor.h"
 
-#include "config_error.h"
-#include "stopwatch.h"
+#include "base/stopwatch.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 

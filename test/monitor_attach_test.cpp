@@ -8,10 +8,10 @@
 #include <optional>
 #include <tuple>
 
-#include "config_error.h"
 #include "geometry/ray.h"
 #include "monitor.h"
 #include "support/tiny_robot.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "config_error.h"
 #include "support/tiny_robot.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

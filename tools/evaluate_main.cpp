@@ -7,10 +7,10 @@
 #include <string>
 
 #include "bag_stream.h"
-#include "config_error.h"
 #include "evaluation.h"
 #include "program.h"
 #include "report.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

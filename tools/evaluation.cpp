@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/stopwatch.h"
 #include "ros/conversions.h"
-#include "stopwatch.h"
 
 namespace tccm {
 namespace {

@@ -8,12 +8,12 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "config_error.h"
 #include "fit/primitives_file.h"
 #include "fit_table.h"
 #include "program.h"
 #include "robot/kinematics.h"
 #include "ros/settings.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "base/stopwatch.h"
 #include "check/self_test.h"
-#include "config_error.h"
-#include "stopwatch.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "config_error.h"
 #include "geometry/overlap.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 

@@ -8,7 +8,7 @@
 #include "robot/joint_states.h"
 #include "robot/joint_trajectory.h"
 #include "robot/robot_model.h"
-#include "time.h"
+#include "tccm_monitor/time.h"
 
 namespace tccm {
 

@@ -7,7 +7,7 @@
 #include "check/collision_check.h"
 #include "geometry/shape.h"
 #include "robot/robot_model.h"
-#include "time.h"
+#include "tccm_monitor/time.h"
 
 namespace tccm {
 

@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "time.h"
+#include "tccm_monitor/time.h"
 
 namespace tccm {
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "base/stopwatch.h"
 #include "check/used_body.h"
-#include "config_error.h"
-#include "stopwatch.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

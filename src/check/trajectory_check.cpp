@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "config_error.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "check/collision_check.h"
 #include "check/occlusion_check.h"
-#include "time.h"
+#include "tccm_monitor/time.h"
 
 namespace tccm {
 

@@ -19,8 +19,8 @@
 #include <system_error>
 #include <vector>
 
-#include "config_error.h"
 #include "mesh/printable.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

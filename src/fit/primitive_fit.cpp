@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 
-#include "config_error.h"
 #include "fit/convex_hull.h"
 #include "fit/directions.h"
 #include "fit/enclosing.h"
 #include "fit/mesh_partition.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

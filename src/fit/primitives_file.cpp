@@ -9,9 +9,9 @@
 #include <set>
 #include <sstream>
 
-#include "config_error.h"
 #include "mesh/printable.h"
 #include "mesh/token_reader.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "time.h"
+#include "tccm_monitor/time.h"
 
 namespace tccm {
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "map/region.h"
-#include "time.h"
+#include "tccm_monitor/time.h"
 
 namespace tccm {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "map/columns.h"
-#include "time.h"
+#include "tccm_monitor/time.h"
 
 namespace tccm {
 

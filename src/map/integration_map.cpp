@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "config_error.h"
 #include "map/scan_batch.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -13,7 +13,7 @@
 #include "sight/look.h"
 #include "sight/look_map.h"
 #include "sight/newest_looks.h"
-#include "time.h"
+#include "tccm_monitor/time.h"
 
 namespace tccm {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "map/grid.h"
-#include "time.h"
+#include "tccm_monitor/time.h"
 
 namespace tccm {
 

@@ -8,7 +8,7 @@
 #include "map/grid.h"
 #include "map/integration_map.h"
 #include "sight/look_image.h"
-#include "time.h"
+#include "tccm_monitor/time.h"
 
 namespace tccm {
 

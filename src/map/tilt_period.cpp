@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "config_error.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <optional>
 
-#include "time.h"
+#include "tccm_monitor/time.h"
 
 namespace tccm {
 

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <map>
 
-#include "config_error.h"
 #include "mesh/collada_geometry.h"
 #include "mesh/mesh_formats.h"
 #include "mesh/printable.h"
 #include "mesh/token_reader.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

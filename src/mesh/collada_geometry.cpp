@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 
-#include "config_error.h"
 #include "mesh/mesh_formats.h"
 #include "mesh/printable.h"
 #include "mesh/token_reader.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -5,9 +5,9 @@
 #include <functional>
 #include <unordered_map>
 
-#include "config_error.h"
 #include "mesh/mesh_formats.h"
 #include "mesh/printable.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

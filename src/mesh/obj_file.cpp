@@ -1,9 +1,9 @@
 #include <sstream>
 
-#include "config_error.h"
 #include "mesh/mesh_formats.h"
 #include "mesh/printable.h"
 #include "mesh/token_reader.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -2,9 +2,9 @@
 #include <array>
 #include <cstring>
 
-#include "config_error.h"
 #include "mesh/mesh_formats.h"
 #include "mesh/token_reader.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

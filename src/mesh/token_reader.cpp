@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <limits>
 
-#include "config_error.h"
 #include "mesh/printable.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

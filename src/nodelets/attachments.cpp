@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "config_error.h"
 #include "ros/conversions.h"
 #include "ros/transform_history.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -3,9 +3,9 @@
 #include <string>
 #include <utility>
 
-#include "config_error.h"
 #include "nodelets/status_conversions.h"
 #include "ros/conversions.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <pluginlib/class_list_macros.hpp>
 
-#include "config_error.h"
+#include "base/stopwatch.h"
 #include "nodelets/markers.h"
 #include "nodelets/refusal.h"
 #include "nodelets/status_conversions.h"
 #include "ros/conversions.h"
 #include "ros/robot_description.h"
-#include "stopwatch.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <pluginlib/class_list_macros.hpp>
 
-#include "config_error.h"
 #include "nodelets/markers.h"
 #include "nodelets/refusal.h"
 #include "ros/conversions.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 

@@ -6,11 +6,11 @@
 #include <pluginlib/class_list_macros.hpp>
 #include <string>
 
-#include "config_error.h"
 #include "nodelets/markers.h"
 #include "nodelets/refusal.h"
 #include "ros/conversions.h"
 #include "ros/robot_description.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "robot/robot_model.h"
-#include "time.h"
+#include "tccm_monitor/time.h"
 
 namespace tccm {
 

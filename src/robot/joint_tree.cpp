@@ -4,8 +4,8 @@
 #include <map>
 #include <set>
 
-#include "config_error.h"
 #include "robot/urdf_reader.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <utility>
 
-#include "config_error.h"
 #include "robot/urdf_reader.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

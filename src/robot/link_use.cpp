@@ -1,6 +1,6 @@
 #include "robot/link_use.h"
 
-#include "config_error.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 

@@ -4,11 +4,11 @@
 #include <map>
 #include <sstream>
 
-#include "config_error.h"
 #include "mesh/printable.h"
 #include "robot/joint_tree.h"
 #include "robot/link_geometry.h"
 #include "robot/urdf_reader.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -10,9 +10,9 @@
 #include <mutex>
 #include <set>
 
-#include "config_error.h"
 #include "geometry/pose.h"
 #include "robot/xml_limits.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

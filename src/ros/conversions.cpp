@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "config_error.h"
 #include "monitor.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

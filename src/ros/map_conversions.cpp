@@ -3,8 +3,8 @@
 #include <cmath>
 #include <limits>
 
-#include "config_error.h"
 #include "ros/conversions.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <ros/node_handle.h>
 
-#include "config_error.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

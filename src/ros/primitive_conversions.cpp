@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "config_error.h"
 #include "ros/conversions.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

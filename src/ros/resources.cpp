@@ -14,8 +14,8 @@
 #include <system_error>
 #include <vector>
 
-#include "config_error.h"
 #include "mesh/mesh_file.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

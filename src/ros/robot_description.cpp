@@ -6,10 +6,10 @@
 #include <map>
 #include <mutex>
 
-#include "config_error.h"
 #include "nodelets/refusal.h"
 #include "ros/resources.h"
 #include "ros/settings.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -1,6 +1,6 @@
 #include "ros/settings.h"
 
-#include "config_error.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "time.h"
+#include "tccm_monitor/time.h"
 
 namespace tccm {
 

@@ -1,6 +1,6 @@
 #include "scan/mixed_pixel_filter.h"
 
-#include "config_error.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 

@@ -1,7 +1,7 @@
 #include "scan/scan_assembler.h"
 
-#include "config_error.h"
 #include "scan/projection.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "geometry/direction_grid.h"
-#include "time.h"
+#include "tccm_monitor/time.h"
 
 namespace tccm {
 

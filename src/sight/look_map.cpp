@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "config_error.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

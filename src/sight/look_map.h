@@ -7,7 +7,7 @@
 
 #include "sight/look.h"
 #include "sight/look_image.h"
-#include "time.h"
+#include "tccm_monitor/time.h"
 
 namespace tccm {
 

@@ -1,8 +1,8 @@
 /// Checker with something in the robot's hand, and robots whose links hang on several roots.
 
-#include "config_error.h"
 #include "support/checker_fixture.h"
 #include "support/near.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -1,7 +1,7 @@
 #include "check/checker.h"
 
-#include "config_error.h"
 #include "support/checker_fixture.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <limits>
 
-#include "config_error.h"
 #include "geometry/distance.h"
 #include "simulation/robot/dual_arm.h"
 #include "support/cuboid_scene.h"
 #include "support/tiny_robot.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

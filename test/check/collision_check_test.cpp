@@ -4,10 +4,10 @@
 
 #include <set>
 
-#include "config_error.h"
 #include "geometry/overlap.h"
 #include "support/cuboid_scene.h"
 #include "support/fcl_overlap.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

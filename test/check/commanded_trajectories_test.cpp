@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "config_error.h"
 #include "support/tiny_robot.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "config_error.h"
 #include "support/checker_fixture.h"
 #include "support/refusal.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <string>
 
-#include "config_error.h"
 #include "support/cuboid_scene.h"
 #include "support/tiny_robot.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

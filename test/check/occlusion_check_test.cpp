@@ -5,9 +5,9 @@
 #include <cmath>
 #include <map>
 
-#include "config_error.h"
 #include "geometry/ray.h"
 #include "support/cuboid_scene.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include "config_error.h"
 #include "support/cuboid_scene.h"
 #include "support/near.h"
 #include "support/tiny_robot.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "config_error.h"
 #include "support/checker_fixture.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

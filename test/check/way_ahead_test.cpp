@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "config_error.h"
 #include "support/checker_fixture.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

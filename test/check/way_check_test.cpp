@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include "check/pose_check.h"
-#include "config_error.h"
 #include "geometry/overlap.h"
 #include "simulation/robot/dual_arm.h"
 #include "support/checker_fixture.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

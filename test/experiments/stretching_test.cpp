@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <memory>
 
-#include "config_error.h"
 #include "experiments/exact_clearance.h"
 #include "experiments/robot_part.h"
 #include "simulation/robot/dual_arm.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
 namespace {

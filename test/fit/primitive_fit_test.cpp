@@ -6,10 +6,10 @@
 #include <limits>
 #include <memory>
 
-#include "config_error.h"
 #include "fit/convex_hull.h"
 #include "support/geometric_shapes_body.h"
 #include "support/random.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 
-#include "config_error.h"
 #include "support/near.h"
 #include "support/random.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "config_error.h"
+#include "tccm_monitor/config_error.h"
 
 /// What every reader of files promises on whatever input.
 namespace tccm::test {

@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "config_error.h"
 #include "fuzz/promises.h"
 #include "robot/kinematics.h"
 #include "robot/robot_model.h"
 #include "support/mesh_texts.h"
 #include "support/random.h"
+#include "tccm_monitor/config_error.h"
 
 /// What the fuzz target of RobotModel and the test of its corpus do with an input: a byte that
 /// chooses the configuration, and a URDF.

@@ -4,10 +4,10 @@
 
 #include <limits>
 
-#include "config_error.h"
 #include "support/geometric_shapes_body.h"
 #include "support/near.h"
 #include "support/random.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

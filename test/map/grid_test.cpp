@@ -7,9 +7,9 @@
 #include <cstdlib>
 #include <limits>
 
-#include "config_error.h"
 #include "support/near.h"
 #include "support/random.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

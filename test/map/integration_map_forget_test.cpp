@@ -5,9 +5,9 @@
 
 #include <limits>
 
-#include "config_error.h"
 #include "map/integration_map.h"
 #include "support/part_union.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

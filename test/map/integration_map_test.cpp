@@ -7,9 +7,9 @@
 #include <limits>
 #include <new>
 
-#include "config_error.h"
 #include "support/part_union.h"
 #include "support/random.h"
+#include "tccm_monitor/config_error.h"
 
 namespace {
 std::atomic<std::size_t> allocations{0};

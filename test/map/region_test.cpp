@@ -5,8 +5,8 @@
 #include <limits>
 #include <string>
 
-#include "config_error.h"
 #include "support/random.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -7,9 +7,9 @@
 #include <functional>
 #include <limits>
 
-#include "config_error.h"
 #include "support/random.h"
 #include "support/shared_data.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

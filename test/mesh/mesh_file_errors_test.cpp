@@ -5,10 +5,10 @@
 #include <limits>
 #include <vector>
 
-#include "config_error.h"
 #include "mesh/mesh_file.h"
 #include "support/mesh_texts.h"
 #include "support/random.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -6,9 +6,9 @@
 #include <limits>
 #include <set>
 
-#include "config_error.h"
 #include "support/mesh_texts.h"
 #include "support/near.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

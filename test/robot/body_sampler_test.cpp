@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "config_error.h"
 #include "support/near.h"
 #include "support/tiny_robot.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include "config_error.h"
 #include "support/random.h"
 #include "support/tiny_robot.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <limits>
 
-#include "config_error.h"
 #include "support/tiny_robot.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -5,11 +5,11 @@
 #include <fstream>
 #include <sstream>
 
-#include "config_error.h"
 #include "support/near.h"
 #include "support/refusal.h"
 #include "support/shared_data.h"
 #include "support/tiny_robot.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -2,11 +2,11 @@
 /// meshes, and what the robot holds.
 #include <gtest/gtest.h>
 
-#include "config_error.h"
 #include "robot/robot_model.h"
 #include "support/near.h"
 #include "support/refusal.h"
 #include "support/tiny_robot.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

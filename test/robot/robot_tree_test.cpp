@@ -4,12 +4,12 @@
 
 #include <cmath>
 
-#include "config_error.h"
 #include "robot/kinematics.h"
 #include "robot/robot_model.h"
 #include "support/near.h"
 #include "support/refusal.h"
 #include "support/tiny_robot.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

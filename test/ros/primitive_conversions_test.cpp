@@ -4,10 +4,10 @@
 
 #include <limits>
 
-#include "config_error.h"
 #include "ros/conversions.h"
 #include "support/near.h"
 #include "support/random.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <optional>
 
-#include "config_error.h"
 #include "support/temporary_folder.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

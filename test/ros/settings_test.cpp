@@ -9,7 +9,7 @@
 #include <regex>
 #include <set>
 
-#include "config_error.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

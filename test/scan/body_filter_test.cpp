@@ -6,8 +6,8 @@
 #include <limits>
 #include <utility>
 
-#include "config_error.h"
 #include "support/random.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "config_error.h"
 #include "support/random.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

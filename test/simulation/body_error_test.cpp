@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "config_error.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "config_error.h"
 #include "simulation/clearance.h"
 #include "simulation/robot/dual_arm.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
 namespace {

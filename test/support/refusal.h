@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "config_error.h"
 #include "robot/robot_model.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm::test {
 

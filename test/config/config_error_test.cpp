@@ -1,4 +1,4 @@
-#include "config_error.h"
+#include "tccm_monitor/config_error.h"
 
 #include <gtest/gtest.h>
 

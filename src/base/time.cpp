@@ -1,4 +1,4 @@
-#include "time.h"
+#include "tccm_monitor/time.h"
 
 #include <cmath>
 
