@@ -15,7 +15,7 @@ namespace {
 void checkTwoPoses(benchmark::State& state, bool occlusion, double shoulder) {
   const auto model = simulation::dualArm();
   const CuboidMap map = test::tableMap();
-  PoseCheck::Config config;
+  CheckedRobot::Config config;
   config.check_occlusion = occlusion;
   PoseCheck now(model, config);
   PoseCheck ahead(model, config);

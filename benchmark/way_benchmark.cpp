@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "check/checker.h"
+#include "check/checker_config.h"
 #include "latencies.h"
 #include "support/table_scene.h"
 
@@ -87,7 +87,7 @@ class Running {
     }
     return trajectory;
   }
-  TrajectoryCheck::Answer check(const JointTrajectory& trajectory) {
+  TrajectoryAnswer check(const JointTrajectory& trajectory) {
     return checker_.checkTrajectory(now_, trajectory);
   }
 
@@ -146,7 +146,7 @@ void checkTrajectory(benchmark::State& state, const Motion& motion) {
   Running robot(motion);
   const JointTrajectory trajectory = robot.trajectory(kWaypoints, 1.0);
   Latencies latencies;
-  TrajectoryCheck::Answer answer;
+  TrajectoryAnswer answer;
   for (auto _ : state) latencies.time([&] { answer = robot.check(trajectory); });
   latencies.report(state);
   state.SetLabel(name(answer.cause.reason));

@@ -17,7 +17,6 @@ add_service_files(FILES
   AddExemption.srv AttachObject.srv CheckState.srv CheckTrajectory.srv DetachObject.srv
   GetCuboidMap.srv)
 generate_messages(DEPENDENCIES geometry_msgs sensor_msgs std_msgs trajectory_msgs)
-generate_dynamic_reconfigure_options(cfg/CollisionChecker.cfg)
 
 find_package(Eigen3 REQUIRED)  # says where it is as EIGEN3_INCLUDE_DIRS
 catkin_package(

@@ -114,8 +114,8 @@ void add(const std::vector<DynamicTrial::Result>& trials, Findings& findings) {
 }
 
 Findings runDynamic(DynamicOptions options, const TrialOptions& common, const Progress& progress) {
-  const MonitorSettings settings = trialSettings(common);
-  options.trial.monitor = settings.monitorConfig();
+  const MonitorConfig settings = trialSettings(common);
+  options.trial.monitor = settings.monitor();
   options.trial.static_windows = settings.mapper.static_windows;
   options.trial.validate();
   const auto model = std::make_shared<const RobotModel>(dualArmUrdf(), settings.robot);

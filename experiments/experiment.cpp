@@ -8,8 +8,8 @@ std::uint64_t seedOf(const TrialOptions& options, std::size_t trial) {
   return 1000003 * options.seed + trial;
 }
 
-MonitorSettings trialSettings(const TrialOptions& options) {
-  MonitorSettings settings = simulatedSettings(options.config);
+MonitorConfig trialSettings(const TrialOptions& options) {
+  MonitorConfig settings = simulatedSettings(options.config);
   settings.checker.checker.clearance_radius_m = 0.0;
   return settings;
 }

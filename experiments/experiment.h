@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "ros/settings.h"
+#include "monitor_config.h"
 #include "tools/program.h"
 
 namespace tccm::simulation {
@@ -59,6 +59,6 @@ struct Experiment {
 [[nodiscard]] std::uint64_t seedOf(const TrialOptions& options, std::size_t trial);
 
 /// As configured, but without what no verdict rests on. @throws ConfigError
-[[nodiscard]] MonitorSettings trialSettings(const TrialOptions& options);
+[[nodiscard]] MonitorConfig trialSettings(const TrialOptions& options);
 
 }  // namespace tccm::simulation

@@ -180,8 +180,8 @@ void add(const std::vector<Motion>& motions, const FalseStopsOptions& options, F
 
 Findings runFalseStops(FalseStopsOptions options, const TrialOptions& common,
                        const Progress& progress) {
-  const MonitorSettings settings = trialSettings(common);
-  options.trial.monitor = settings.monitorConfig();
+  const MonitorConfig settings = trialSettings(common);
+  options.trial.monitor = settings.monitor();
   // A contact at the present pose would hold until somebody resets.
   options.trial.monitor.checker.permission.hold_until_reset = false;
   options.trial.validate();

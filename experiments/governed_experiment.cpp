@@ -262,7 +262,7 @@ void add(const std::vector<GovernedTrial::Result>& trials, double distance_m, Fi
 
 Findings runGoverned(GovernedOptions options, const TrialOptions& common,
                      const Progress& progress) {
-  MonitorSettings settings = trialSettings(common);
+  MonitorConfig settings = trialSettings(common);
   settings.checker.checker.governed_speed.appear_distance_m =
       options.free ? 0.0 : options.trial.distance_m;
   GovernedTrial::Config& trial = options.trial;
@@ -273,7 +273,7 @@ Findings runGoverned(GovernedOptions options, const TrialOptions& common,
     settings.checker.checker.evidence.links = hands;
     trial.links.erase(trial.links.begin(), trial.links.begin() + 2);  // elbows
   }
-  trial.monitor = settings.monitorConfig();
+  trial.monitor = settings.monitor();
   trial.oracle.angle_rad = options.look_angle_deg * kDegree;
   trial.validate();
   const auto model = std::make_shared<const RobotModel>(dualArmUrdf(), settings.robot);

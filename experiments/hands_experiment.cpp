@@ -152,8 +152,8 @@ void add(const std::vector<Case>& cases, const HandsOptions& options, Findings& 
 }
 
 Findings runHands(HandsOptions options, const TrialOptions& common, const Progress& progress) {
-  MonitorSettings settings = trialSettings(common);
-  options.trial.monitor = settings.monitorConfig();
+  MonitorConfig settings = trialSettings(common);
+  options.trial.monitor = settings.monitor();
   options.trial.obstacle = ObstacleKind::kArm;
   options.trial.validate();
   const auto model = std::make_shared<const RobotModel>(dualArmUrdf(), settings.robot);

@@ -153,9 +153,9 @@ void add(const std::vector<GhostTrial::Result>& results, double noise_m, Finding
 }
 
 Findings runHovers(HoverOptions options, const TrialOptions& common, const Progress& progress) {
-  MonitorSettings settings = trialSettings(common);
-  if (options.hold_s) settings.mapper.mapper.hold_s = *options.hold_s;
-  options.trial.monitor = settings.monitorConfig();
+  MonitorConfig settings = trialSettings(common);
+  if (options.hold_s) settings.mapper.mapper.hold.longest_s = *options.hold_s;
+  options.trial.monitor = settings.monitor();
   options.trial.validate();
   GhostTrial::Config ghost;
   ghost.monitor = options.trial.monitor;
@@ -175,7 +175,7 @@ Findings runHovers(HoverOptions options, const TrialOptions& common, const Progr
   inParallel(hovers.size() + ghosts.size(), common.jobs, work, progress);
   Findings findings;
   findings.settings = {
-      {"hold_s", settings.mapper.mapper.hold_s},
+      {"hold_s", settings.mapper.mapper.hold.longest_s},
       {"hover_s", options.trial.hover_s},
       {"speed_mps", options.trial.down_mps},
       {"gap_m", {options.trial.ranges.gap_min_m, options.trial.ranges.gap_max_m}},

@@ -103,8 +103,8 @@ void add(const std::vector<OcclusionTrial::Result>& trials, const OcclusionOptio
 
 Findings runOcclusion(OcclusionOptions options, const TrialOptions& common,
                       const Progress& progress) {
-  const MonitorSettings settings = trialSettings(common);
-  options.trial.monitor = settings.monitorConfig();
+  const MonitorConfig settings = trialSettings(common);
+  options.trial.monitor = settings.monitor();
   options.trial.validate();
   const auto model = std::make_shared<const RobotModel>(dualArmUrdf(), settings.robot);
   std::vector<OcclusionTrial::Result> trials(options.trials);

@@ -72,7 +72,7 @@ Simulator::Config OcclusionTrial::settingFor(std::uint64_t seed) {
 
 /// Links of a size that the laser looks at, and what the occluder hides of each.
 std::vector<OcclusionTrial::Watched> OcclusionTrial::watchedLinks() const {
-  const PoseCheck::Config& pose = config_.monitor.checker.pose;
+  const CheckedRobot::Config& pose = config_.monitor.checker.pose;
   const World& world = simulation_.simulator().world();
   World standing_things;
   std::copy_if(world.begin(), world.end(), std::back_inserter(standing_things),

@@ -148,7 +148,7 @@ SourceCounts SelfFilterTrial::supportersOf(const Verdict& verdict) {
 
 FalseContact SelfFilterTrial::contactOf(const Verdict& verdict) {
   FalseContact contact{verdict.stamp, !verdict.now.collision, {}, {}};
-  const RobotModel& model = simulation_.monitor().checker().model();
+  const RobotModel& model = *simulation_.monitor().checker().model();
   const std::vector<Contact>& first =
       verdict.now.collision ? verdict.now.contacts : verdict.ahead.contacts;
   if (!first.empty()) {

@@ -66,7 +66,7 @@ void declare(CLI::App& app, Options& options) {
 
 nlohmann::ordered_json settingsToJson(const Options& options) {
   const Simulator::Config& simulator = options.trial.simulator;
-  const ScanAssembler::Config& assembler = options.trial.monitor.assembler;
+  const ScanAssembler::Config& assembler = options.trial.monitor.scan.assembler;
   return {
       {"minutes", options.minutes},
       {"seed", simulator.seed},
@@ -81,8 +81,8 @@ nlohmann::ordered_json settingsToJson(const Options& options) {
       {"spot_deg", simulator.scanner.spot_deg},
       {"body_error_m", simulator.body_error.size_m},
       {"body_error", options.body_error},
-      {"self_filter", options.trial.monitor.self_filter},
-      {"self_filter_padding_m", options.trial.monitor.body.filtered.expansion.padding_m},
+      {"self_filter", options.trial.monitor.scan.self_filter},
+      {"self_filter_padding_m", options.trial.monitor.scan.body.filtered.expansion.padding_m},
       {"self_filter_range_tolerance_m", assembler.body.range_tolerance_m},
       {"self_filter_grazing_m", assembler.body.grazing_m},
       {"self_filter_shadow_depth_m", assembler.body.shadow_depth_m},
@@ -108,8 +108,8 @@ void print(const SelfFilterTally& tally, const std::vector<std::string>& missed)
 }
 
 int run(Options& options) {
-  const MonitorSettings settings = simulatedSettings(options.config);
-  options.trial.monitor = settings.monitorConfig();
+  const MonitorConfig settings = simulatedSettings(options.config);
+  options.trial.monitor = settings.monitor();
   options.trial.duration_s = 60.0 * options.minutes;
   options.trial.simulator.body_error.kind = bodyErrorKind(options.body_error);
   makeFolder(options.out);

@@ -4,8 +4,8 @@
 
 namespace tccm::simulation {
 
-MonitorSettings simulatedSettings(const std::string& config) {
-  MonitorSettings settings = readMonitorSettings(config);
+MonitorConfig simulatedSettings(const std::string& config) {
+  MonitorConfig settings = readMonitorConfig(config);
   if (!config.empty()) return settings;
   settings.robot.capsule_links = dualArmCapsuleLinks();
   settings.mapper.mapper.map.grid.height_min_m = 0.1;

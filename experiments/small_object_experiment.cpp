@@ -74,8 +74,8 @@ void add(const std::vector<SmallObjectTrial::Result>& trials, const SmallObjectO
 
 Findings runSmallObjects(SmallObjectOptions options, const TrialOptions& common,
                          const Progress& progress) {
-  const MonitorSettings settings = trialSettings(common);
-  options.trial.monitor = settings.monitorConfig();
+  const MonitorConfig settings = trialSettings(common);
+  options.trial.monitor = settings.monitor();
   options.trial.validate();
   const auto model = std::make_shared<const RobotModel>(dualArmUrdf(), settings.robot);
   const std::vector<Vector3> places =

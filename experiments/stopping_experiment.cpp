@@ -259,7 +259,7 @@ void add(const std::vector<Case>& cases, const StoppingOptions& options, Finding
 /// The hand's links alone: places ahead of elbows are mostly out of the tilt's range. A face that
 /// the laser grazes gives single returns, which are taken for mixed pixels: the padding is what
 /// README says that goes with a governed speed.
-void govern(MonitorSettings& settings, StoppingOptions& options) {
+void govern(MonitorConfig& settings, StoppingOptions& options) {
   constexpr double kPadding = 0.04;  // [m]
   constexpr double kMoving = 0.02;   // of the speed commanded
   settings.checker.checker.governed_speed.appear_distance_m = options.appear_distance_m;
@@ -278,9 +278,9 @@ Findings runStopping(StoppingOptions options, const TrialOptions& common,
         "--ros: whether the speed is governed is up to the nodelets' appear_distance_m; "
         "--appear-distance-m goes without it");
   }
-  MonitorSettings settings = trialSettings(common);
+  MonitorConfig settings = trialSettings(common);
   if (options.appear_distance_m > 0.0) govern(settings, options);
-  options.trial.monitor = settings.monitorConfig();
+  options.trial.monitor = settings.monitor();
   options.trial.validate();
   const auto model = std::make_shared<const RobotModel>(dualArmUrdf(), settings.robot);
   std::vector<Case> cases(options.trials);

@@ -56,14 +56,14 @@ struct Sweep {
   std::size_t returns = 0;  ///< in the map's window: in the others
 };
 
-Sweep sweepOf(const std::string& scene, const MonitorSettings& settings, std::uint64_t seed,
+Sweep sweepOf(const std::string& scene, const MonitorConfig& settings, std::uint64_t seed,
               std::size_t scans) {
   constexpr double kWhole = 5.0;  // [s] after which the map holds a tilt
   Simulator::Config config;
   config.scene = scene;
   config.seed = seed;
   const auto model = std::make_shared<const RobotModel>(dualArmUrdf(), settings.robot);
-  MonitoredSimulation simulation(config, settings.monitorConfig(), model);
+  MonitoredSimulation simulation(config, settings.monitor(), model);
   simulation.simulator().setStop(true);  // the arms stay where they begin
   Sweep sweep;
   const Time start = simulation.simulator().now();
@@ -182,8 +182,8 @@ Findings runUpdates(const UpdatesOptions& options, const TrialOptions& common,
   constexpr std::size_t kRounds = 3;
   constexpr double kRise = 1.3;
   constexpr double kFaster = 30.0;
-  const MonitorSettings settings = trialSettings(common);
-  const IntegrationMap::Config config = settings.monitorConfig().mapper.map;
+  const MonitorConfig settings = trialSettings(common);
+  const IntegrationMap::Config config = settings.monitor().mapper.map;
   Findings findings;
   findings.settings = {
       {"windows", options.windows}, {"steps", options.steps}, {"additions", options.additions}};

@@ -148,8 +148,8 @@ void add(const std::vector<VisibilityTrial::Result>& trials, const VisibilityOpt
 
 Findings runVisibility(VisibilityOptions options, const TrialOptions& common,
                        const Progress& progress) {
-  const MonitorSettings settings = trialSettings(common);
-  options.trial.monitor = settings.monitorConfig();
+  const MonitorConfig settings = trialSettings(common);
+  options.trial.monitor = settings.monitor();
   options.trial.robot = visibilityRobot(options.robot);
   options.trial.validate();
   const auto model = std::make_shared<const RobotModel>(dualArmUrdf(), settings.robot);

@@ -85,7 +85,7 @@ ArmPath standing(const Model& model, const std::vector<double>& joints) {
   return ArmPath(model, {joints, beside});
 }
 
-std::vector<TrueLinkVisibility> trueVisibility(const Model& model, const PoseCheck::Config& pose,
+std::vector<TrueLinkVisibility> trueVisibility(const Model& model, const CheckedRobot::Config& pose,
                                                const std::vector<double>& joints, Body things,
                                                bool rest_hides, double resolution_rad) {
   const UsedShapes used = model->shapesFor(pose.occlusion_use, kOcclusionKeys);

@@ -35,7 +35,7 @@ struct VisibilityScene {
 /// @param things that hide links. @param rest_hides whether what else of the robot is there does.
 /// @param resolution_rad between rays.
 [[nodiscard]] std::vector<TrueLinkVisibility> trueVisibility(
-    const std::shared_ptr<const RobotModel>& model, const PoseCheck::Config& pose,
+    const std::shared_ptr<const RobotModel>& model, const CheckedRobot::Config& pose,
     const std::vector<double>& joints, Body things, bool rest_hides, double resolution_rad);
 
 }  // namespace tccm::simulation

@@ -87,7 +87,7 @@ VisibilityTrial::Result VisibilityTrial::run() {
   waitForMap();
   std::vector<std::string> joints;
   for (const JointVariable& variable : model_->variables()) joints.push_back(variable.name);
-  const Checker::StateAnswer answer = simulation_.monitor().checker().checkState(
+  const StateAnswer answer = simulation_.monitor().checker().checkState(
       simulation_.simulator().now(), joints, scene_.joints);
   const std::vector<TrueLinkVisibility> links = truth();
   for (const LinkVisibility& found : answer.findings.links) {

@@ -3,29 +3,21 @@
 #include <array>
 #include <memory>
 #include <string>
+#include <vector>
 
-#include "check/checker.h"
+#include "check/checker_config.h"
 #include "map/mapper.h"
-#include "robot/body_sampler.h"
-#include "scan/scan_assembler.h"
+#include "map/place_ages.h"
+#include "scan/scan_stage.h"
 
 namespace tccm {
 
-/// What a beam of that kind says of the space along it. It is unclear where it measured nothing, or
-/// its end lies between two surfaces or in the robot's shadow.
-[[nodiscard]] Look::End lookEndOf(BeamKind kind);
-
-/// The map's part of an assembled scan. Reuses the memory of `returns`.
-void takeReturns(const AssembledScan& scan, ScanReturns& returns);
-
-/// All stages joined, time passed in: scan -> map -> check. What the offline programs drive; the
-/// nodelets hold the same stages apart.
+/// The whole way joined, time passed in: scan -> points -> map -> verdict. What the offline
+/// programs drive; the nodelets drive the same stages, with messages between them.
 class Monitor {
  public:
   struct Config {
-    ScanAssembler::Config assembler;
-    bool self_filter = true;
-    BodySampler::Config body;
+    ScanStage::Config scan;
     Mapper::Config mapper;
     Checker::Config checker;
   };
@@ -50,18 +42,19 @@ class Monitor {
   [[nodiscard]] Checker& checker() { return *checker_; }
   [[nodiscard]] const Checker& checker() const { return *checker_; }
   /// Nothing where no robot is filtered out.
-  [[nodiscard]] const BodySampler* body() const { return body_.get(); }
+  [[nodiscard]] const BodySampler* body() const { return scan_.body(); }
   [[nodiscard]] const Mapper& mapper() const { return mapper_; }
 
   /// To the self filter and to the checker.
   void addJoints(Time now, Time stamp, const std::vector<std::string>& names,
                  const std::vector<double>& positions, const std::vector<double>& velocities);
-  /// @param now when it is processed, by the clock of the stamps.
-  /// @param T_fixed_roots one for each of the model's roots, where a robot is filtered out.
   /// A scan came in, and waits for transforms.
   void scanArrived(Time now, Time stamp);
   /// A scan that came in will not be handed over. @param reason why.
   void scanDropped(Time now, Time stamp, const std::string& reason);
+  /// @param now when it is processed, by the clock of the stamps.
+  /// @param T_fixed_sensor the sensor's poses over the scan. @param T_fixed_roots one for each of
+  /// the model's roots, where a robot is filtered out.
   ScanOutcome addScan(Time now, const LaserScan& scan, const PosePath& T_fixed_sensor,
                       const std::vector<PosePath>& T_fixed_roots);
   /// The robot holds something from now on: it joins the body for filter and check, and what was
@@ -75,23 +68,20 @@ class Monitor {
   /// As at the start: after time has jumped back. Serials go on.
   void reset();
   /// The last scan that was assembled, also where the mapper dropped it.
-  [[nodiscard]] const AssembledScan& assembled() const { return assembled_; }
+  [[nodiscard]] const AssembledScan& assembled() const { return scan_.scan(); }
   /// The points of the last scan.
   [[nodiscard]] const ScanReturns& returns() const { return returns_; }
   /// The map after the last scan; none before the first.
   [[nodiscard]] const CuboidMap* map() const { return maps_[newest_].get(); }
 
  private:
-  [[nodiscard]] ScanOutcome mapScan(const LaserScan& scan, const PosePath& T_fixed_sensor,
-                                    const std::vector<PosePath>& T_fixed_roots);
   /// A snapshot for the checker, which may hold the one before.
   void publishMap(Time now);
 
-  std::unique_ptr<BodySampler> body_;
-  ScanAssembler assembler_;
+  ScanStage scan_;
   Mapper mapper_;
+  PlaceAges ages_;
   std::unique_ptr<Checker> checker_;
-  AssembledScan assembled_;
   ScanReturns returns_;
   std::array<std::shared_ptr<CuboidMap>, 2> maps_;  ///< the checker holds one while the other fills
   std::size_t newest_ = 0;

@@ -63,7 +63,8 @@ Monitor::Config configuration() {
   config.checker.pose.check_occlusion = false;
   // The post stands 40 mm beside the hand's way.
   config.checker.pose.collision_use.expansion.padding_m = 0.03;
-  config.checker.way.margin_max_m = 0.0;  // what touches is asked here, not how near it may come
+  config.checker.braking.margin_max_m =
+      0.0;  // what touches is asked here, not how near it may come
   return config;
 }
 
@@ -270,7 +271,7 @@ TEST_F(MonitorAttachTest, AMugThatWasLetGoOfIsMappedAgainWithinASweep) {
 
 TEST_F(MonitorAttachTest, WithoutASelfFilterTheMugIsForgottenAndSeenAgain) {
   Monitor::Config config = configuration();
-  config.self_filter = false;
+  config.scan.self_filter = false;
   Monitor monitor(config, robot());
   runFor(monitor, 3.0);
   monitor.attach(at(now_), mug(), kForgetPadding);

@@ -134,7 +134,7 @@ TEST_F(MonitorTest, TheRobotItselfDoesNotReachTheMap) {
   Monitor filtering(configuration(), test::modelOf(ballOnSlide()));
   const auto outcome = runUntil(filtering, 100.5, kTableHeight);
   Monitor::Config config = configuration();
-  config.self_filter = false;
+  config.scan.self_filter = false;
   Monitor open(config, test::modelOf(ballOnSlide()));
   EXPECT_EQ(open.body(), nullptr);
   now_ = 100.0;

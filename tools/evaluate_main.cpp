@@ -56,8 +56,7 @@ void describe(CLI::App& app, Options& options) {
 }
 
 /// Nothing where no robot is asked for.
-std::shared_ptr<const RobotModel> readModel(const Options& options,
-                                            const MonitorSettings& settings) {
+std::shared_ptr<const RobotModel> readModel(const Options& options, const MonitorConfig& settings) {
   const RobotResources resources = resourcesIn(options.package_path);
   if (options.urdf.empty()) return nullptr;
   return std::make_shared<const RobotModel>(readText(options.urdf, "the URDF"), settings.robot,
@@ -112,10 +111,10 @@ void requireFixedFrame(const Evaluation& evaluation) {
 }
 
 void evaluate(const Options& options) {
-  const MonitorSettings settings = readMonitorSettings(options.config);
+  const MonitorConfig settings = readMonitorConfig(options.config);
   const auto model = readModel(options, settings);
   const BagStream bag(options.bag,
-                      {settings.scan_topic, settings.joint_states_topic, model != nullptr});
+                      {settings.topics.scan, settings.topics.joint_states, model != nullptr});
   makeFolder(options.out);
   const Dumps dumps(options);
   Evaluation::Observer observer;

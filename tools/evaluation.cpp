@@ -14,12 +14,12 @@ constexpr Duration kTransformsKept = std::chrono::seconds(10);
 
 }  // namespace
 
-Evaluation::Evaluation(const MonitorSettings& settings, std::shared_ptr<const RobotModel> model,
+Evaluation::Evaluation(const MonitorConfig& settings, std::shared_ptr<const RobotModel> model,
                        Observer observer)
-    : monitor_(settings.monitorConfig(), std::move(model)),
+    : monitor_(settings.monitor(), std::move(model)),
       observer_(std::move(observer)),
       fixed_frame_(withoutSlash(settings.assembler.fixed_frame)),
-      root_frames_(monitor_.hasRobot() ? monitor_.checker().model().rootLinks()
+      root_frames_(monitor_.hasRobot() ? monitor_.checker().model()->rootLinks()
                                        : std::vector<std::string>()),
       buffer_(toRos(kTransformsKept)),
       transforms_(buffer_, fromSeconds(settings.assembler.transform_gap_max_s), kTransformsKept),
@@ -135,11 +135,11 @@ void Evaluation::check() {
   if (verdict.level == Level::kSlow) ++totals_.slow_reasons[verdict.reason];
   if (verdict.stop) ++totals_.stop_reasons[verdict.reason];
   if (verdict.placed) {
-    totals_.timings.collision.push_back(verdict.now.collision_us + verdict.ahead.collision_us +
-                                        verdict.way_us);
-    totals_.timings.clearance.push_back(verdict.clearance_us);
-    totals_.timings.occlusion.push_back(verdict.now.occlusion_us + verdict.ahead.occlusion_us);
-    totals_.timings.evidence.push_back(verdict.evidence_us);
+    const CheckTimes& times = checker.times();
+    totals_.timings.collision.push_back(times.collision_us + times.way_us);
+    totals_.timings.clearance.push_back(times.clearance_us);
+    totals_.timings.occlusion.push_back(times.occlusion_us);
+    totals_.timings.evidence.push_back(times.evidence_us);
     noteSight(verdict);
   }
   noteStop(verdict);

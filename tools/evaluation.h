@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "monitor.h"
+#include "monitor_config.h"
 #include "ros/scan_source.h"
-#include "ros/settings.h"
 #include "ros/transform_history.h"
 
 namespace tccm {
@@ -99,7 +99,7 @@ class Evaluation {
 
   /// @param model nothing: the surroundings are mapped, and nothing is checked.
   /// @throws ConfigError
-  Evaluation(const MonitorSettings& settings, std::shared_ptr<const RobotModel> model,
+  Evaluation(const MonitorConfig& settings, std::shared_ptr<const RobotModel> model,
              Observer observer);
 
   /// @param publisher whose stamps rise, unless time jumps back.
@@ -114,7 +114,7 @@ class Evaluation {
   [[nodiscard]] const Monitor& monitor() const { return monitor_; }
   [[nodiscard]] bool hasRobot() const { return monitor_.hasRobot(); }
   /// @pre hasRobot()
-  [[nodiscard]] const RobotModel& model() const { return monitor_.checker().model(); }
+  [[nodiscard]] const RobotModel& model() const { return *monitor_.checker().model(); }
   /// Joints that moves a monitored link and that nothing published. @pre hasRobot()
   [[nodiscard]] std::vector<std::string> missingJoints() const {
     return monitor_.checker().missingJoints();

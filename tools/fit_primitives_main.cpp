@@ -10,9 +10,9 @@
 
 #include "fit/primitives_file.h"
 #include "fit_table.h"
+#include "monitor_config.h"
 #include "program.h"
 #include "robot/kinematics.h"
-#include "ros/settings.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
@@ -62,7 +62,7 @@ RobotModel readModel(const Options& options) {
       bar(static_cast<double>(done) / static_cast<double>(all));
     };
   }
-  return {readText(options.urdf, "the URDF"), readMonitorSettings(options.config).robot, resources};
+  return {readText(options.urdf, "the URDF"), readMonitorConfig(options.config).robot, resources};
 }
 
 LinkPrimitives primitivesOf(const RobotModel& model) {

@@ -51,7 +51,7 @@ Json cuboidsOf(const Totals& totals) {
   return {{"mean", rounded(mean)}, {"max", totals.cuboids_max}};
 }
 
-Json mapOf(const Evaluation& evaluation, const MonitorSettings& settings) {
+Json mapOf(const Evaluation& evaluation, const MonitorConfig& settings) {
   const Totals& totals = evaluation.totals();
   const IntegrationMap& map = evaluation.monitor().mapper().map();
   const Grid& grid = map.grid();
@@ -176,7 +176,7 @@ void dumpVerdict(const Verdict& verdict, CsvFile& file) {
             verdict.occlusion, verdict.stop, name(verdict.reason), verdict.link.c_str());
 }
 
-Json summaryOf(const Evaluation& evaluation, const MonitorSettings& settings) {
+Json summaryOf(const Evaluation& evaluation, const MonitorConfig& settings) {
   const Totals& totals = evaluation.totals();
   const Json dropped = totals.scans_dropped.empty() ? Json::object() : Json(totals.scans_dropped);
   const bool any = totals.first_stamp && totals.last_stamp;

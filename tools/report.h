@@ -48,7 +48,7 @@ void dumpVisibility(const Verdict& verdict, const Checker& checker, CsvFile& fil
 
 /// All figures of a run; only time_us differs between two runs.
 [[nodiscard]] nlohmann::ordered_json summaryOf(const Evaluation& evaluation,
-                                               const MonitorSettings& settings);
+                                               const MonitorConfig& settings);
 /// The same for people, in a few lines.
 void printSummary(const nlohmann::ordered_json& summary, std::ostream& out);
 

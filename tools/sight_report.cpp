@@ -77,7 +77,7 @@ Json sightOf(const Totals& totals, const CuboidMap* newest) {
 
 void dumpVisibility(const Verdict& verdict, const Checker& checker, CsvFile& file) {
   if (!verdict.placed) return;
-  const std::vector<std::string>& names = checker.model().links();
+  const std::vector<std::string>& names = checker.model()->links();
   const std::vector<LinkEvidence>& ways = checker.evidence().findings().links;
   const auto wayOf = [&ways](std::size_t link) -> const LinkEvidence* {
     for (const LinkEvidence& way : ways) {

@@ -36,27 +36,30 @@ Reason reasonOf(const std::string& dropped) {
 
 }  // namespace
 
-void CheckInputs::Config::validate() const {
-  joints.validate();
-  requireInRange("joint_timeout_s", joint_timeout_s, 0.001, 10.0);
-  requireInRange("transform_timeout_s", transform_timeout_s, 0.001, 10.0);
-  requireInRange("scan_timeout_periods", scan_timeout_periods, 1.0, 100.0);
-  requireInRange("map_age_max_s", map_age_max_s, 0.001, 10.0);
-  requireInRange("future_max_s", future_max_s, 0.0, 10.0);
-  requireInRange("transform_future_max_s", transform_future_max_s, 0.0, 10.0);
+void CheckInputs::Config::describe(ParameterTable& table) {
+  joints.describe(table);
+  table.add("joint_timeout_s", &joint_timeout_s, "s", {0.001, 10.0},
+            "age of the joint heard of least recently");
+  table.add("transform_timeout_s", &transform_timeout_s, "s", {0.001, 10.0},
+            "age of the root's pose in the fixed frame");
+  table.add("scan_timeout_periods", &scan_timeout_periods, "periods", {1.0, 100.0},
+            "without a new map, in measured scan periods");
+  table.add("map_age_max_s", &map_age_max_s, "s", {0.001, 10.0},
+            "from the newest scan's stamp to the check");
+  table.add("future_max_s", &future_max_s, "s", {0.0, 10.0},
+            "a scan or joint state may lead the check by this");
+  table.add("transform_future_max_s", &transform_future_max_s, "s", {0.0, 10.0},
+            "the root's pose may lead it by this: many publishers date ahead");
 }
 
 CheckInputs::CheckInputs(std::shared_ptr<const RobotModel> model, const Config& config)
     : model_(std::move(model)),
-      config_((config.validate(), config)),
+      config_(validated(config)),
       joints_(*model_, config.joints),
       roots_(model_->roots().size()),
       T_fixed_roots_(model_->roots().size(), Pose::Identity()) {}
 
-void CheckInputs::reconfigure(const Config& config) {
-  config.validate();
-  config_ = config;
-}
+void CheckInputs::reconfigure(const Config& config) { config_ = validated(config); }
 
 JointStates::Added CheckInputs::addJoints(Time now, Time stamp,
                                           const std::vector<std::string>& names,

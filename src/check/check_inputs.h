@@ -6,19 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "check/verdict.h"
+#include "config/parameter_table.h"
 #include "map/cuboid_map.h"
 #include "robot/joint_states.h"
+#include "tccm_monitor/verdict.h"
 
 namespace tccm {
-
-/// What became of a scan before it reached the map.
-struct ScanReport {
-  enum class Outcome { kWaiting, kAssembled, kDropped };
-  Time stamp;
-  Outcome outcome = Outcome::kWaiting;
-  std::string dropped = {};  ///< why: blind, future_stamp, no_transform ...
-};
 
 /// The newest of all that a check rests on, and what of it is missing, late or unknown.
 class CheckInputs {
@@ -33,8 +26,7 @@ class CheckInputs {
     double future_max_s = 0.1;            ///< a stamp may lead the check by this much
     double transform_future_max_s = 0.5;  ///< the same of a transform; many publishers date ahead
 
-    /// @throws ConfigError
-    void validate() const;
+    void describe(ParameterTable& table);
   };
 
   /// @throws ConfigError

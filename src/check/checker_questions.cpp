@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "check/checker.h"
+#include "check/checker_parts.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {
@@ -35,74 +36,78 @@ std::optional<std::string> jointThatContradicts(const RobotModel& model,
 }  // namespace
 
 std::optional<Pose> Checker::linkPose(Time now, const std::string& link) {
-  const auto found = std::find(model_->links().begin(), model_->links().end(), link);
-  if (found == model_->links().end() || !inputs_.placesRobot(now)) return std::nullopt;
-  checks_.kinematics.update(inputs_.joints()->positions, inputs_.rootPoses());
-  return checks_.kinematics.linkPoses()[static_cast<std::size_t>(found - model_->links().begin())];
+  const std::vector<std::string>& links = model()->links();
+  const auto found = std::find(links.begin(), links.end(), link);
+  CheckInputs& inputs = parts_->inputs;
+  if (found == links.end() || !inputs.placesRobot(now)) return std::nullopt;
+  const Posture& posture =
+      parts_->judges.kinematics_asked.update(inputs.joints()->positions, inputs.rootPoses());
+  return posture.T_fixed_links[static_cast<std::size_t>(found - links.begin())];
 }
 
-Checker::StateAnswer Checker::checkState(Time now, const std::vector<std::string>& names,
-                                         const std::vector<double>& positions) {
+PlacedShape Checker::placeOf(Time now, const AttachedObject& object) {
+  const auto T_fixed_link = linkPose(now, object.link);
+  if (!T_fixed_link) {
+    throw ConfigError("object '" + object.name + "': link '" + object.link +
+                      "' cannot be placed: joints or transforms are missing or too old");
+  }
+  return {object.primitive.shape, *T_fixed_link * object.primitive.pose};
+}
+
+StateAnswer Checker::checkState(Time now, const std::vector<std::string>& names,
+                                const std::vector<double>& positions) {
   StateAnswer answer;
-  const auto refuse = [&](Reason reason, const std::string& detail) {
-    answer.reason = reason;
-    answer.detail = detail;
+  const auto refuse = [&answer](const std::string& detail) {
+    answer.cause = {Reason::kBadQuestion, detail};
     return answer;
   };
   if (names.empty() || names.size() != positions.size()) {
-    return refuse(Reason::kBadQuestion,
-                  "as many positions as joint names are needed, and one at least");
+    return refuse("as many positions as joint names are needed, and one at least");
   }
-  const Cause fault = std::max(inputs_.worst(now), outside_,
-                               [](const Cause& a, const Cause& b) { return b.isWorseThan(a); });
-  if (fault.reason != Reason::kClear) return refuse(fault.reason, fault.detail);
-  std::vector<double> asked = inputs_.joints()->positions;
+  answer.cause = parts_->fault(now);
+  answer.cause.link.clear();
+  if (answer.cause.reason != Reason::kClear) return answer;
+  CheckInputs& inputs = parts_->inputs;
+  std::vector<double> asked = inputs.joints()->positions;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    if (!model_->hasJoint(names[i]) || !std::isfinite(positions[i])) {
-      return refuse(Reason::kBadQuestion,
-                    "joint '" + names[i] + "' is unknown, or its position is not finite");
+    if (!model()->hasJoint(names[i]) || !std::isfinite(positions[i])) {
+      return refuse("joint '" + names[i] + "' is unknown, or its position is not finite");
     }
     for (std::size_t v = 0; v < asked.size(); ++v) {
-      if (model_->variables()[v].name == names[i]) asked[v] = positions[i];
+      if (model()->variables()[v].name == names[i]) asked[v] = positions[i];
     }
   }
-  if (const auto contradiction = jointThatContradicts(*model_, asked, names, positions)) {
-    return refuse(Reason::kBadQuestion,
-                  "joint '" + *contradiction +
-                      "' is not where the joint that it mimics, or fixed_joints, puts it");
+  if (const auto contradiction = jointThatContradicts(*model(), asked, names, positions)) {
+    return refuse("joint '" + *contradiction +
+                  "' is not where the joint that it mimics, or fixed_joints, puts it");
   }
-  if (exemptions_.expire(now)) exempt();
-  checks_.state.check(*inputs_.map(), asked, inputs_.rootPoses(), answer.findings);
-  Cause found;
+  if (parts_->exemptions.expire(now)) parts_->exempt();
+  Judges& judges = parts_->judges;
+  judges.asked.check(*inputs.map(), judges.kinematics_asked.update(asked, inputs.rootPoses()),
+                     answer.findings);
   if (answer.findings.collision) {
-    found = contactCause(Reason::kCollision, Level::kStop, answer.findings.contacts.front().shape,
-                         " touches the map");
+    const std::uint32_t shape = answer.findings.contacts.front().shape;
+    answer.cause = {Reason::kCollision, textOfContact(*model(), shape, " touches the map"),
+                    model()->linkOf(shape)};
   } else if (answer.findings.occlusion) {
-    const std::string link = checks_.state.mostHiddenLink(answer.findings);
-    found = {Reason::kOcclusion, link + " is hidden from the sensor", link};
+    const std::string link = judges.asked.mostHiddenLink(answer.findings);
+    answer.cause = {Reason::kOcclusion, link + " is hidden from the sensor", link};
   }
-  answer.reason = found.reason;
-  answer.detail = found.detail;
-  answer.link = found.link;
   return answer;
 }
 
-TrajectoryCheck::Answer Checker::checkTrajectory(Time now, const JointTrajectory& trajectory) {
-  const Cause fault = std::max(inputs_.worst(now), outside_,
-                               [](const Cause& a, const Cause& b) { return b.isWorseThan(a); });
-  if (fault.reason != Reason::kClear) {
-    TrajectoryCheck::Answer answer;
-    answer.cause = fault;
-    return answer;
-  }
-  if (exemptions_.expire(now)) exempt();
-  if (trajectory.points.size() > config_.trajectories.points_max) {
-    TrajectoryCheck::Answer answer;
+TrajectoryAnswer Checker::checkTrajectory(Time now, const JointTrajectory& trajectory) {
+  TrajectoryAnswer answer;
+  answer.cause = parts_->fault(now);
+  if (answer.cause.reason != Reason::kClear) return answer;
+  if (parts_->exemptions.expire(now)) parts_->exempt();
+  if (trajectory.points.size() > parts_->config.trajectories.points_max) {
     answer.cause = {Reason::kBadQuestion, "it has more than trajectory_points_max points"};
     return answer;
   }
-  return checks_.trajectory.check(*inputs_.map(), trajectory, inputs_.joints()->positions,
-                                  inputs_.rootPoses());
+  CheckInputs& inputs = parts_->inputs;
+  return parts_->judges.trajectory.check(*inputs.map(), trajectory, inputs.joints()->positions,
+                                         inputs.rootPoses());
 }
 
 }  // namespace tccm

@@ -12,16 +12,10 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-ClearanceCheck::ClearanceCheck(std::shared_ptr<const RobotModel> model,
-                               const LinkUse& collision_use,
-                               const CollisionCheck::Config& collision, double radius_m)
-    : model_(std::move(model)),
-      shapes_(model_->shapesFor(collision_use, kCollisionKeys).shapes),
-      collision_(collision),
-      kinematics_(model_),
-      radius_m_(radius_m) {
-  for (const std::size_t shape : shapes_) {
-    const std::size_t link = model_->shapes()[shape].link;
+ClearanceCheck::ClearanceCheck(std::shared_ptr<const CheckedRobot> robot, double radius_m)
+    : robot_(std::move(robot)), radius_m_(radius_m) {
+  for (const std::size_t shape : robot_->collisionBody().shapes) {
+    const std::size_t link = robot_->model().shapes()[shape].link;
     const auto found = std::find_if(result_.begin(), result_.end(),
                                     [link](const auto& entry) { return entry.link == link; });
     slot_of_shape_.push_back(static_cast<std::size_t>(found - result_.begin()));
@@ -29,23 +23,22 @@ ClearanceCheck::ClearanceCheck(std::shared_ptr<const RobotModel> model,
   }
 }
 
-std::optional<NearestCuboid> ClearanceCheck::nearest(const CuboidMap& map, const Shape& shape,
-                                                     const Pose& T_fixed_shape,
+std::optional<NearestCuboid> ClearanceCheck::nearest(const CuboidMap& map, const Posture& posture,
+                                                     std::size_t shape,
                                                      double nearer_than_m) const {
-  NearestCuboidSearch search(map, shape, T_fixed_shape, nearer_than_m);
-  return search.find([&](const Cuboid& cuboid) { return collision_.hasSupport(map, cuboid); });
+  NearestCuboidSearch search(map, robot_->model().shapes()[shape].shape,
+                             posture.T_fixed_shapes[shape], nearer_than_m);
+  return search.find(
+      [&](const Cuboid& cuboid) { return robot_->collision().hasSupport(map, cuboid); });
 }
 
 const std::vector<LinkClearance>& ClearanceCheck::find(const CuboidMap& map,
-                                                       const std::vector<double>& positions,
-                                                       const std::vector<Pose>& T_fixed_roots) {
-  kinematics_.update(positions, T_fixed_roots);
+                                                       const Posture& posture) {
+  const std::vector<std::size_t>& shapes = robot_->collisionBody().shapes;
   for (LinkClearance& entry : result_) entry = {entry.link};
-  for (std::size_t i = 0; i < shapes_.size(); ++i) {
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
     LinkClearance& entry = result_[slot_of_shape_[i]];
-    const auto found =
-        nearest(map, model_->shapes()[shapes_[i]].shape, kinematics_.shapePoses()[shapes_[i]],
-                std::min(radius_m_, entry.distance_m));
+    const auto found = nearest(map, posture, shapes[i], std::min(radius_m_, entry.distance_m));
     if (!found) continue;
     entry.distance_m = found->distance_m;
     entry.cuboid = found->cuboid;
@@ -53,14 +46,11 @@ const std::vector<LinkClearance>& ClearanceCheck::find(const CuboidMap& map,
   return result_;
 }
 
-double ClearanceCheck::least(const CuboidMap& map, const std::vector<double>& positions,
-                             const std::vector<Pose>& T_fixed_roots) {
-  kinematics_.update(positions, T_fixed_roots);
+double ClearanceCheck::least(const CuboidMap& map, const Posture& posture) const {
   double least = radius_m_;
   bool any = false;
-  for (const std::size_t shape : shapes_) {
-    const auto found =
-        nearest(map, model_->shapes()[shape].shape, kinematics_.shapePoses()[shape], least);
+  for (const std::size_t shape : robot_->collisionBody().shapes) {
+    const auto found = nearest(map, posture, shape, least);
     if (!found) continue;
     least = found->distance_m;
     any = true;

@@ -8,17 +8,15 @@
 
 namespace tccm {
 
-void CollisionCheck::Config::validate() const {
-  requireInRange("support_points", support_points, 1, 20);
-  requireInRange("support_height_m", support_height_m, 0.0, 1.0);
-  requireInRange("contacts_max", contacts_max, 1, 100000);
+void CollisionCheck::Config::describe(ParameterTable& table) {
+  table.add("support_points", &support_points, "points", {1, 20},
+            "a contact counts where so many returns lie near it; 1: always", Tunable::kYes);
+  table.add("support_height_m", &support_height_m, "m", {0.0, 1.0},
+            "near: in the 3 x 3 cells around it, and within this height");
+  table.add("contacts_max", &contacts_max, "", {1, 100000}, "contacts listed");
 }
 
-CollisionCheck::CollisionCheck(const Config& config) : config_((config.validate(), config)) {
-  contacts_.reserve(static_cast<std::size_t>(config_.contacts_max));
-}
-
-void CollisionCheck::exempt(ExemptRegions regions) { exempt_ = std::move(regions); }
+CollisionCheck::CollisionCheck(const Config& config) : config_(validated(config)) {}
 
 bool CollisionCheck::isExempt(std::uint32_t index, const UprightBox& cuboid) const {
   if (exempt_.empty()) return false;
@@ -61,16 +59,17 @@ bool CollisionCheck::hasSupport(const CuboidMap& map, const Cuboid& cuboid) cons
          supportOf(map, cuboid, config_.support_height_m) >= needed;
 }
 
-const std::vector<Contact>& CollisionCheck::find(const CuboidMap& map, const Body& body) {
-  contacts_.clear();
+void CollisionCheck::find(const CuboidMap& map, const Body& body,
+                          std::vector<Contact>& contacts) const {
+  contacts.clear();
   const auto most = static_cast<std::size_t>(config_.contacts_max);
-  for (std::uint32_t i = 0; i < body.shapes.size() && contacts_.size() < most; ++i) {
+  contacts.reserve(most);
+  for (std::uint32_t i = 0; i < body.shapes.size() && contacts.size() < most; ++i) {
     visitContacts(map, body.shapes[i], body.poses[i], i, [&](std::uint32_t cuboid) {
-      contacts_.push_back({i, cuboid});
-      return contacts_.size() < most;
+      contacts.push_back({i, cuboid});
+      return contacts.size() < most;
     });
   }
-  return contacts_;
 }
 
 std::optional<std::uint32_t> CollisionCheck::first(const CuboidMap& map, const Shape& shape,

@@ -4,16 +4,12 @@
 #include <optional>
 #include <vector>
 
+#include "config/parameter_table.h"
 #include "geometry/shape.h"
 #include "map/cuboid_map.h"
+#include "tccm_monitor/verdict.h"
 
 namespace tccm {
-
-/// A primitive and a cuboid that have a point in common.
-struct Contact {
-  std::uint32_t shape;   ///< index into the body's shapes
-  std::uint32_t cuboid;  ///< index into the map's cuboids
-};
 
 /// For each shape of a body the regions in the fixed frame that it may touch things in; empty: none
 /// at all.
@@ -31,18 +27,19 @@ class CollisionCheck {
     double support_height_m = 0.03;
     int contacts_max = 256;  ///< no more than these are listed
 
-    /// @throws ConfigError
-    void validate() const;
+    void describe(ParameterTable& table);
   };
 
   /// @throws ConfigError
   explicit CollisionCheck(const Config& config);
 
   /// Contacts with cuboids that lie altogether in a region count for nothing from now on.
-  void exempt(ExemptRegions regions);
+  void exempt(ExemptRegions regions) { exempt_ = std::move(regions); }
+  [[nodiscard]] bool exemptsAny() const { return !exempt_.empty(); }
+  [[nodiscard]] const Config& config() const { return config_; }
 
-  /// The contacts by shape, then by cell; the reference is valid until the next call.
-  const std::vector<Contact>& find(const CuboidMap& map, const Body& body);
+  /// The contacts by shape, then by cell. @param contacts reused.
+  void find(const CuboidMap& map, const Body& body, std::vector<Contact>& contacts) const;
   /// The first cuboid by cell that a shape touches.
   /// @param index of the shape in the body, for exempt().
   [[nodiscard]] std::optional<std::uint32_t> first(const CuboidMap& map, const Shape& shape,
@@ -59,7 +56,6 @@ class CollisionCheck {
   [[nodiscard]] bool isExempt(std::uint32_t index, const UprightBox& cuboid) const;
 
   Config config_;
-  std::vector<Contact> contacts_;
   ExemptRegions exempt_;
 };
 

@@ -77,13 +77,29 @@ void extrapolate(const RobotModel& model, const JointSnapshot& joints, double ho
   }
 }
 
-void CommandedTrajectories::Config::validate() const {
-  requireInRange("trajectory_deviation_max", deviation_max, 1e-3, 10.0);
-  requireInRange("trajectory_points_max", static_cast<double>(points_max), 1.0, 1e6);
+Ways::Ways(std::size_t variables, double until_s)
+    : horizon_s(until_s), measured(variables), commanded(variables), end(variables) {
+  measured.reserve(variables + 2);
+  commanded.reserve(CommandedTrajectories::kWayPoints);
+}
+
+void findWays(const RobotModel& model, const JointSnapshot& joints,
+              CommandedTrajectories& commanded, Ways& ways) {
+  extrapolate(model, joints, ways.horizon_s, ways.measured);
+  ways.follows_trajectory = commanded.active();
+  if (ways.follows_trajectory) commanded.makeWay(model, joints, ways.horizon_s, ways.commanded);
+  (ways.follows_trajectory ? ways.commanded : ways.measured).positionsAt(ways.horizon_s, ways.end);
+}
+
+void CommandedTrajectories::Config::describe(ParameterTable& table) {
+  table.add("trajectory_deviation_max", &deviation_max, "rad, m", {1e-3, 10.0},
+            "a robot that is further from its commanded trajectory does not follow it");
+  table.add("trajectory_points_max", &points_max, "points", {1.0, 1e6},
+            "a longer one is not understood");
 }
 
 CommandedTrajectories::CommandedTrajectories(const RobotModel& model, const Config& config)
-    : config_((config.validate(), config)) {
+    : config_(validated(config)) {
   times_s_.reserve(kWayPoints);
   positions_.resize(model.variables().size());
   way_point_.resize(model.variables().size());

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "config/parameter_table.h"
 #include "robot/joint_path.h"
 #include "robot/joint_states.h"
 #include "robot/joint_trajectory.h"
@@ -25,8 +26,7 @@ class CommandedTrajectories {
     double deviation_max = 0.3;
     std::size_t points_max = 10000;
 
-    /// @throws ConfigError
-    void validate() const;
+    void describe(ParameterTable& table);
   };
 
   /// @throws ConfigError
@@ -89,6 +89,21 @@ class CommandedTrajectories {
   std::vector<double> positions_;  ///< reused
   std::vector<double> way_point_;  ///< reused
 };
+
+/// Where the robot goes until the horizon.
+struct Ways {
+  Ways(std::size_t variables, double until_s);
+
+  double horizon_s;
+  JointPath measured;   ///< where its velocities lead
+  JointPath commanded;  ///< where it was told to go; only where it follows a trajectory
+  bool follows_trajectory = false;
+  std::vector<double> end;  ///< where it is at the horizon: as commanded, where it is that
+};
+
+/// @param commanded has followed the robot.
+void findWays(const RobotModel& model, const JointSnapshot& joints,
+              CommandedTrajectories& commanded, Ways& ways);
 
 /// The way that measured velocities lead, each joint no further than its limits. A joint measured
 /// beyond its limit stays where it is.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 
 #include "tccm_monitor/config_error.h"
 
@@ -42,14 +43,24 @@ const LinkEvidence* most(const std::vector<LinkEvidence>& links, Value&& value) 
 
 }  // namespace
 
-void EvidenceCheck::Config::validate() const {
-  requireInRange("evidence_margin_m", margin_m, 0.0, 1.0);
-  requireInRange("evidence_slow_periods", slow_periods, 1.0, 100.0);
-  requireInRange("evidence_stop_periods", stop_periods, slow_periods, 100.0);
-  requireInRange("evidence_old_fraction_max", old_fraction_max, 0.0, 1.0);
-  requireInRange("unseen_fraction_max", unseen_fraction_max, 0.0, 1.0);
-  requireInRange("unseen_volume_min_m3", unseen_volume_min_m3, 0.0, 1.0);
-  requireInRange("unseen_slow_scale", slow_scale, 0.0, 1.0);
+void EvidenceCheck::Config::describe(ParameterTable& table) {
+  table.add("evidence_links", &links, "whose way should have been seen; empty: `occlusion_links`");
+  table.add("evidence_margin_m", &margin_m, "m", {0.0, 1.0},
+            "a look that ended this much before a place saw it all the same");
+  table.add("evidence_slow_periods", &slow_periods, "periods", {1.0, 100.0},
+            "a place that was not looked at for so many tilt periods slows the robot down");
+  table.add("evidence_stop_periods", &stop_periods, "periods", {slow_periods, 100.0},
+            "and for so many stops it; at least `evidence_slow_periods`");
+  table.add("evidence_old_fraction_max", &old_fraction_max, "", {0.0, 1.0},
+            "of the places of one link's way, in directions where the sensor looked before");
+  table.add("unseen_fraction_max", &unseen_fraction_max, "", {0.0, 1.0},
+            "of all that the links go through until the horizon; where more is unseen the robot "
+            "slows down");
+  table.add("unseen_volume_min_m3", &unseen_volume_min_m3, "m3", {0.0, 1.0},
+            "less than this to go through is too little to judge by");
+  table.add("unseen_slow_scale", &slow_scale, "", {0.0, 1.0},
+            "speed scale where too much is unseen, or evidence is old");
+  table.add("unseen_stops", &unseen_stops, "true: too much that is unseen stops the robot");
 }
 
 const LinkEvidence* EvidenceCheck::Findings::mostUnseen() const {
@@ -64,9 +75,11 @@ const LinkEvidence* EvidenceCheck::Findings::mostOld() const {
   return most(links, [](const LinkEvidence& l) { return l.old_fraction; });
 }
 
-EvidenceCheck::EvidenceCheck(const RobotModel& model, const Config& config,
-                             const std::vector<std::size_t>& body_shapes, LinkUse watched)
-    : config_((config.validate(), config)) {
+EvidenceCheck::EvidenceCheck(std::shared_ptr<const CheckedRobot> robot, const Config& config)
+    : robot_(std::move(robot)), config_(validated(config)) {
+  const RobotModel& model = robot_->model();
+  const std::vector<std::size_t>& body_shapes = robot_->collisionBody().shapes;
+  LinkUse watched = robot_->config().occlusion_use;
   if (!config.links.empty()) watched.links = config.links;
   const std::vector<std::size_t> seen_shapes = model.shapesFor(watched, kEvidenceKeys).shapes;
   std::vector<LinkEvidence>& links = findings_.links;
@@ -89,6 +102,33 @@ EvidenceCheck::EvidenceCheck(const RobotModel& model, const Config& config,
   }
   tallies_.resize(links.size());
   unseen_.reserve(kUnseenShown);
+}
+
+void EvidenceCheck::judge(const Situation& situation, Causes& causes) {
+  find(situation.map, situation.now, situation.check_here.collisionBody().body,
+       situation.check_ahead.collisionBody().body);
+  const auto nameOf = [this](const LinkEvidence* link) {
+    return robot_->model().links()[link->link];
+  };
+  if (findings_.unseen_fraction > config_.unseen_fraction_max) {
+    const std::string link = nameOf(findings_.mostUnseen());
+    char text[200];
+    std::snprintf(text, sizeof text, "%.0f %% of the way ahead is unseen, most of %.100s's",
+                  100.0 * findings_.unseen_fraction, link.c_str());
+    causes.push_back(config_.unseen_stops
+                         ? Cause::stopping(Reason::kUnseenAhead, text, link)
+                         : Cause::slowing(Reason::kUnseenAhead, config_.slow_scale, text, link));
+  }
+  const LinkEvidence* lost = findings_.mostLost();
+  const LinkEvidence* old = findings_.mostOld();
+  if (lost && lost->lost_fraction > config_.old_fraction_max) {
+    causes.push_back({Reason::kEvidenceOld,
+                      "the sensor looks no more where " + nameOf(lost) + " is", nameOf(lost)});
+  } else if (old && old->old_fraction > config_.old_fraction_max) {
+    causes.push_back(Cause::slowing(Reason::kEvidenceOld, config_.slow_scale,
+                                    "the sensor did not look lately where " + nameOf(old) + " is",
+                                    nameOf(old)));
+  }
 }
 
 const EvidenceCheck::Findings& EvidenceCheck::find(const CuboidMap& map, Time now,

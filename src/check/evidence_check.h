@@ -6,9 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "geometry/shape.h"
-#include "map/cuboid_map.h"
-#include "robot/robot_model.h"
+#include "check/situation.h"
+#include "config/parameter_table.h"
 
 namespace tccm {
 
@@ -33,7 +32,7 @@ class EvidenceCheck {
   struct Config {
     /// Whose way should have been seen; empty: those that are watched for occlusion.
     std::vector<std::string> links;
-    double margin_m = 0.05;  ///< a look that ended this much before a place saw it all the same
+    double margin_m = 0.05;
     /// Not looked at for so many tilt periods, a place's evidence is old; and too old.
     double slow_periods = 1.5;
     double stop_periods = 2.5;
@@ -47,8 +46,7 @@ class EvidenceCheck {
     double slow_scale = 0.3;
     bool unseen_stops = false;  ///< true: the robot stops where too much is unseen
 
-    /// @throws ConfigError
-    void validate() const;
+    void describe(ParameterTable& table);
   };
 
   struct Findings {
@@ -59,11 +57,11 @@ class EvidenceCheck {
     [[nodiscard]] const LinkEvidence* mostOld() const;
   };
 
-  /// @param body_shapes indices of the model's shapes that bodies consist of.
-  /// @param watched the links that are watched for occlusion.
   /// @throws ConfigError, also where a pattern matches no link.
-  EvidenceCheck(const RobotModel& model, const Config& config,
-                const std::vector<std::size_t>& body_shapes, LinkUse watched);
+  EvidenceCheck(std::shared_ptr<const CheckedRobot> robot, const Config& config);
+
+  /// Where too much is unseen, or what is known is too old.
+  void judge(const Situation& situation, Causes& causes);
 
   /// @param now_body, end_body the same primitives at the present pose and at the way's end.
   /// The reference is valid until the next call.
@@ -95,6 +93,7 @@ class EvidenceCheck {
   void sumUp(const Question& question, const Body& end_body);
 
   static constexpr std::size_t kPassedOver = static_cast<std::size_t>(-1);
+  std::shared_ptr<const CheckedRobot> robot_;
   Config config_;
   std::vector<std::size_t> shapes_;
   std::vector<std::size_t> slot_of_shape_;      ///< index into the findings' links, or kPassedOver

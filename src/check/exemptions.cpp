@@ -27,9 +27,9 @@ void requireOneLink(const RobotModel& model, const std::string& link) {
 
 }  // namespace
 
-void Exemptions::Config::validate() const {
-  requireInRange("exemption_max_s", duration_max_s, 0.0, 3600.0);
-  requireInRange("exemptions_max", count_max, 0, 1000);
+void Exemptions::Config::describe(ParameterTable& table) {
+  table.add("exemption_max_s", &duration_max_s, "s", {0.0, 3600.0}, "no exemption lasts longer");
+  table.add("exemptions_max", &count_max, "", {0, 1000}, "in force at once");
 }
 
 void Exemptions::add(Time now, const Exemption& exemption, double duration_s,

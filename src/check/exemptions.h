@@ -5,19 +5,11 @@
 #include <vector>
 
 #include "check/collision_check.h"
-#include "geometry/shape.h"
+#include "config/parameter_table.h"
 #include "robot/robot_model.h"
-#include "tccm_monitor/time.h"
+#include "tccm_monitor/verdict.h"
 
 namespace tccm {
-
-/// For a while a link may touch what lies in a region: to grasp, to dock.
-struct Exemption {
-  std::string owner;
-  std::string link;    ///< name, or a pattern that means one link
-  PlacedShape region;  ///< in the fixed frame
-  Time until;
-};
 
 /// The exemptions in force: by link and region, timed, named; there is none for everything.
 class Exemptions {
@@ -26,12 +18,11 @@ class Exemptions {
     double duration_max_s = 60.0;
     int count_max = 32;
 
-    /// @throws ConfigError
-    void validate() const;
+    void describe(ParameterTable& table);
   };
 
   /// @throws ConfigError
-  explicit Exemptions(const Config& config) : config_((config.validate(), config)) {}
+  explicit Exemptions(const Config& config) : config_(validated(config)) {}
 
   /// One of the same owner for the same link is replaced. @param duration_s 0 ends it.
   /// @throws ConfigError naming what is wrong with it; then nothing changes.

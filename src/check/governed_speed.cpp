@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "tccm_monitor/config_error.h"
 
@@ -40,23 +41,24 @@ struct PointsOf {
 
 }  // namespace
 
-void GovernedSpeed::Config::validate() const {
-  requireInRange("appear_distance_m", appear_distance_m, 0.0, 2.0);
-  requireInRange("appear_look_margin_m", look_margin_m, 0.0, 1.0);
-  requireInRange("deceleration_mps2", deceleration_mps2, 0.01, 1000.0);
-  requireInRange("reaction_time_s", reaction_time_s, 0.0, 2.0);
-  requireInRange("commanded_speed_max_mps", speed_max_mps, 0.01, 20.0);
-  requireInRange("appear_place_step_m", place_step_m, 0.001, 0.1);
+void GovernedSpeed::Config::describe(ParameterTable& table) {
+  table.add("appear_distance_m", &appear_distance_m, "m", {0.0, 2.0},
+            "whatever appears so far ahead of a link, at any moment, is seen and braked for; 0: "
+            "the speed is not governed");
+  table.add("appear_look_margin_m", &look_margin_m, "m", {0.0, 1.0},
+            "a look that ended this much before a place saw it all the same");
+  table.add("appear_place_step_m", &place_step_m, "m", {0.001, 0.1},
+            "places ahead are noted so far apart");
+  table.add("commanded_speed_max_mps", &speed_max_mps, "m/s", {0.01, 20.0},
+            "that a link is taken to be commanded at full scale, before it has moved");
 }
 
 GovernedSpeed::GovernedSpeed(std::shared_ptr<const RobotModel> model, const Config& config,
                              const std::vector<std::size_t>& shapes)
     : model_(std::move(model)),
-      config_((config.validate(), config)),
-      kinematics_(model_),
+      config_(validated(config)),
       kinematics_soon_(model_),
-      positions_soon_(model_->variables().size()),
-      obeyed_(config.reaction_time_s + kJointsLate) {
+      positions_soon_(model_->variables().size()) {
   if (!active()) return;
   for (const std::size_t shape : shapes) addTracks(shape);
 }
@@ -103,18 +105,29 @@ void GovernedSpeed::takeOver(const GovernedSpeed& before) {
   obeyed_ = before.obeyed_;
 }
 
-const GovernedSpeed::Limit& GovernedSpeed::find(const CuboidMap& map, Time now,
-                                                const JointSnapshot& joints,
-                                                const std::vector<Pose>& T_fixed_roots,
-                                                double applied_scale) {
+void GovernedSpeed::judge(const Situation& situation, Causes& causes) {
   limit_ = {};
-  noteDelay(map, now);
-  move(now, joints, T_fixed_roots, applied_scale);
-  for (Track& track : tracks_) {
-    forgetSeen(map, track);
-    limit(map, now, track);
+  if (!active()) return;
+  find(situation);
+  if (limit_.scale >= 1.0) return;
+  const std::string& link = model_->links()[limit_.link];
+  char text[200];
+  if (limit_.next_look_s) {
+    std::snprintf(text, sizeof text, "%.100s: the place ahead is looked at in %.0f ms",
+                  link.c_str(), 1e3 * *limit_.next_look_s);
+  } else {
+    std::snprintf(text, sizeof text, "%.100s: no look at the place ahead is due", link.c_str());
   }
-  return limit_;
+  causes.push_back(Cause::slowing(Reason::kSpeedGoverned, limit_.scale, text, link));
+}
+
+void GovernedSpeed::find(const Situation& situation) {
+  noteDelay(situation.map, situation.now);
+  move(situation);
+  for (Track& track : tracks_) {
+    forgetSeen(situation.map, track);
+    limitBy(track, situation);
+  }
 }
 
 void GovernedSpeed::noteDelay(const CuboidMap& map, Time now) {
@@ -123,28 +136,30 @@ void GovernedSpeed::noteDelay(const CuboidMap& map, Time now) {
   delay_s_ = std::max(kDelayForgotten * delay_s_, toSeconds(now - map.stamp));
 }
 
-void GovernedSpeed::move(Time now, const JointSnapshot& joints,
-                         const std::vector<Pose>& T_fixed_roots, double applied_scale) {
+void GovernedSpeed::move(const Situation& situation) {
+  const Time now = situation.now;
+  const JointSnapshot& joints = situation.joints;
   const double seconds = last_ ? toSeconds(now - *last_) : 0.0;
   const bool is_first = !last_;
   last_ = now;
   double fastest = kAtRest;
   for (const Track& track : tracks_) fastest = std::max(fastest, track.commanded_mps);
-  obeyed_.add(now, applied_scale, config_.deceleration_mps2 / fastest);
+  obeyed_.add(now, situation.applied_scale, situation.braking.deceleration_mps2 / fastest,
+              fromSeconds(situation.braking.reaction_time_s + kJointsLate));
   for (std::size_t i = 0; i < positions_soon_.size(); ++i) {
     positions_soon_[i] = joints.positions[i] + kSoon * joints.velocities[i];
   }
-  kinematics_.update(joints.positions, T_fixed_roots);
-  kinematics_soon_.update(positions_soon_, T_fixed_roots);
+  const Posture& posture = situation.posture;
+  kinematics_soon_.update(positions_soon_, posture.T_fixed_roots);
   for (Track& track : tracks_) {
-    const Vector3 p_fixed = kinematics_.shapePoses()[track.shape] * track.p_shape;
+    const Vector3 p_fixed = posture.T_fixed_shapes[track.shape] * track.p_shape;
     const Vector3 soon = kinematics_soon_.shapePoses()[track.shape] * track.p_shape;
     if (!is_first) track.travelled_m += (p_fixed - track.p_fixed).norm();
     track.p_fixed = p_fixed;
     track.velocity = (soon - p_fixed) / kSoon;
     estimateCommand(track, seconds);
   }
-  for (Track& track : tracks_) notePlace(track, now);
+  for (Track& track : tracks_) notePlace(track, situation);
 }
 
 /// Within what its speed and the scale that it obeys leave room for. What a slower robot was
@@ -159,7 +174,7 @@ void GovernedSpeed::estimateCommand(Track& track, double seconds) const {
   commanded = std::max(commanded, speed / obeyed_.most());
 }
 
-void GovernedSpeed::notePlace(Track& track, Time now) const {
+void GovernedSpeed::notePlace(Track& track, const Situation& situation) const {
   const double speed = track.velocity.norm();
   if (speed < kAtRest) return;
   const bool is_due = track.places.empty() ||
@@ -167,20 +182,21 @@ void GovernedSpeed::notePlace(Track& track, Time now) const {
   if (!is_due) return;
   const double ahead = track.radius_m + config_.appear_distance_m;
   const Vector3 p_fixed = track.p_fixed + ahead / speed * track.velocity;
-  if (isBehindAnother(track, p_fixed)) return;
+  if (isBehindAnother(track, p_fixed, situation.posture)) return;
   if (track.places.size() == kPlacesMax) track.places.erase(track.places.begin());
-  track.places.push_back({p_fixed, track.travelled_m, now});
+  track.places.push_back({p_fixed, track.travelled_m, situation.now});
 }
 
 /// Where a part of the robot that goes the same way is nearer to the place: it would be there
 /// first, and has places of its own. A hand goes ahead of its wrist.
-bool GovernedSpeed::isBehindAnother(const Track& track, const Vector3& p_fixed) const {
+bool GovernedSpeed::isBehindAnother(const Track& track, const Vector3& p_fixed,
+                                    const Posture& posture) const {
   const double speed = track.velocity.norm();
   return std::any_of(tracks_.begin(), tracks_.end(), [&](const Track& other) {
     if (other.shape == track.shape) return false;
     const Vector3 way = p_fixed - other.p_fixed;
     if (way.dot(other.velocity) < kSameWay * speed * way.norm()) return false;
-    const Pose& T_fixed_other = kinematics_.shapePoses()[other.shape];
+    const Pose& T_fixed_other = posture.T_fixed_shapes[other.shape];
     const Shape& shape = model_->shapes()[other.shape].shape;
     return distance(shape, T_fixed_other.inverse() * p_fixed) < config_.appear_distance_m - kNearer;
   });
@@ -205,7 +221,9 @@ void GovernedSpeed::forgetSeen(const CuboidMap& map, Track& track) const {
   places.erase(std::remove_if(places.begin(), places.end(), isOver), places.end());
 }
 
-void GovernedSpeed::limit(const CuboidMap& map, Time now, const Track& track) {
+void GovernedSpeed::limitBy(const Track& track, const Situation& situation) {
+  const CuboidMap& map = situation.map;
+  const Braking& braking = situation.braking;
   const double speed = track.velocity.norm();
   const double late_s = kLateShare * toSeconds(map.look_period) + delay_s_;
   for (const Place& place : track.places) {
@@ -217,11 +235,11 @@ void GovernedSpeed::limit(const CuboidMap& map, Time now, const Track& track) {
     // It may have appeared just before the next place was noted.
     const double rest_m =
         config_.appear_distance_m - config_.place_step_m - (track.travelled_m - place.travelled_m);
-    const auto next = map.looks.nextLook(place.p_fixed, marginAt(map.looks, place.p_fixed), now,
-                                         map.look_period, fromSeconds(late_s));
-    const double until_s = next ? std::max(0.0, toSeconds(*next - now)) : kNoLook;
+    const auto next = map.looks.nextLook(place.p_fixed, marginAt(map.looks, place.p_fixed),
+                                         situation.now, map.look_period, fromSeconds(late_s));
+    const double until_s = next ? std::max(0.0, toSeconds(*next - situation.now)) : kNoLook;
     const double allowed =
-        speedFor(rest_m, until_s + delay_s_ + config_.reaction_time_s, config_.deceleration_mps2);
+        speedFor(rest_m, until_s + delay_s_ + braking.reaction_time_s, braking.deceleration_mps2);
     const double scale = allowed / std::max(track.commanded_mps, speed);
     if (scale >= limit_.scale) continue;
     limit_ = {scale, model_->shapes()[track.shape].link, allowed, std::nullopt};

@@ -7,10 +7,8 @@
 #include <vector>
 
 #include "check/obeyed_scale.h"
-#include "geometry/shape.h"
-#include "map/cuboid_map.h"
-#include "robot/joint_states.h"
-#include "robot/kinematics.h"
+#include "check/situation.h"
+#include "config/parameter_table.h"
 
 namespace tccm {
 
@@ -28,13 +26,10 @@ class GovernedSpeed {
   struct Config {
     double appear_distance_m = 0.0;  ///< d; 0: the speed is not governed
     double look_margin_m = 0.05;     ///< a look that ended this much before a place saw it
-    double deceleration_mps2 = 2.0;  ///< a, of a link when the robot brakes
-    double reaction_time_s = 0.02;   ///< of the controller; a part of L
     double speed_max_mps = 1.0;      ///< that a link is taken to be commanded, before it has moved
     double place_step_m = 0.01;      ///< places are noted so far apart
 
-    /// @throws ConfigError
-    void validate() const;
+    void describe(ParameterTable& table);
   };
 
   /// What limits the robot.
@@ -51,10 +46,10 @@ class GovernedSpeed {
                 const std::vector<std::size_t>& shapes);
 
   [[nodiscard]] bool active() const { return config_.appear_distance_m > 0.0; }
-  /// @param now not before that of earlier calls. @param applied_scale of the permission that the
-  /// robot obeys. The reference is valid until the next call.
-  const Limit& find(const CuboidMap& map, Time now, const JointSnapshot& joints,
-                    const std::vector<Pose>& T_fixed_roots, double applied_scale);
+  /// @pre stamps do not fall.
+  void judge(const Situation& situation, Causes& causes);
+  /// What the last judge() found.
+  [[nodiscard]] const Limit& limit() const { return limit_; }
   /// Forgets where the robot was.
   void startAnew();
   /// Goes on with what another knows of the same points; of another distance nothing is of use.
@@ -82,19 +77,19 @@ class GovernedSpeed {
     std::vector<Place> places = {};
   };
   void addTracks(std::size_t shape);
-  void move(Time now, const JointSnapshot& joints, const std::vector<Pose>& T_fixed_roots,
-            double applied_scale);
+  void find(const Situation& situation);
+  void move(const Situation& situation);
   void estimateCommand(Track& track, double seconds) const;
-  void notePlace(Track& track, Time now) const;
-  [[nodiscard]] bool isBehindAnother(const Track& track, const Vector3& p_fixed) const;
+  void notePlace(Track& track, const Situation& situation) const;
+  [[nodiscard]] bool isBehindAnother(const Track& track, const Vector3& p_fixed,
+                                     const Posture& posture) const;
   [[nodiscard]] double marginAt(const LookImage& looks, const Vector3& p_fixed) const;
   void forgetSeen(const CuboidMap& map, Track& track) const;
-  void limit(const CuboidMap& map, Time now, const Track& track);
+  void limitBy(const Track& track, const Situation& situation);
   void noteDelay(const CuboidMap& map, Time now);
 
   std::shared_ptr<const RobotModel> model_;
   Config config_;
-  Kinematics kinematics_;
   Kinematics kinematics_soon_;
   std::vector<double> positions_soon_;
   std::vector<Track> tracks_;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "check/used_body.h"
 #include "geometry/distance.h"
 
 namespace tccm {
@@ -18,29 +17,27 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-MovingOut::MovingOut(std::shared_ptr<const RobotModel> model, const PoseCheck::Config& config)
-    : model_(std::move(model)),
-      used_(model_->shapesFor(config.collision_use, kCollisionKeys)),
-      body_(bodyOf(*model_, used_)),
-      kinematics_(model_),
-      collision_(config.collision),
-      bound_(*model_, used_.shapes, radiiOf(body_, 0.0)),
-      contacts_max_(static_cast<std::size_t>(config.collision.contacts_max)) {
-  for (const std::size_t shape : used_.shapes)
-    cores_.push_back(core(model_->shapes()[shape].shape));
+MovingOut::MovingOut(std::shared_ptr<const CheckedRobot> robot)
+    : robot_(std::move(robot)),
+      body_(robot_->collisionBody()),
+      kinematics_(robot_->sharedModel()),
+      bound_(robot_->model(), body_.shapes, body_.radii(0.0)),
+      contacts_max_(static_cast<std::size_t>(robot_->config().collision.contacts_max)) {
+  for (const std::size_t shape : body_.shapes) {
+    cores_.push_back(core(robot_->model().shapes()[shape].shape));
+  }
   pairs_.reserve(contacts_max_);
-  least_m_.resize(used_.shapes.size());
+  least_m_.resize(body_.shapes.size());
 }
 
 void MovingOut::place(const JointPath& way, double time_s, const std::vector<Pose>& T_fixed_roots) {
   way.positionsAt(time_s, positions_);
-  kinematics_.update(positions_, T_fixed_roots);
-  tccm::place(used_.shapes, kinematics_.shapePoses(), body_);
+  body_.place(kinematics_.update(positions_, T_fixed_roots));
 }
 
 double MovingOut::coreDistance(const CuboidMap& map, std::size_t shape,
                                std::uint32_t cuboid) const {
-  return distance(cores_[shape], body_.poses[shape], map.box(map.cuboids[cuboid]));
+  return distance(cores_[shape], body_.body.poses[shape], map.box(map.cuboids[cuboid]));
 }
 
 bool MovingOut::closesAny(const CuboidMap& map) {
@@ -50,9 +47,9 @@ bool MovingOut::closesAny(const CuboidMap& map) {
     pair.last_m = std::max(pair.last_m, metres);
   }
   // Cuboids that came into reach since: not nearer than what touched before.
-  const std::vector<Contact>& contacts = collision_.find(map, body_);
-  if (contacts.size() >= contacts_max_) return true;  // not all of them are known
-  return std::any_of(contacts.begin(), contacts.end(), [&](const Contact& contact) {
+  robot_->collision().find(map, body_.body, contacts_);
+  if (contacts_.size() >= contacts_max_) return true;  // not all of them are known
+  return std::any_of(contacts_.begin(), contacts_.end(), [&](const Contact& contact) {
     const double least = least_m_[contact.shape];
     if (least == kInfinity) return true;
     // The padding may reach it, the primitive itself may not.
@@ -60,8 +57,8 @@ bool MovingOut::closesAny(const CuboidMap& map) {
     const bool is_new = std::none_of(pairs_.begin(), pairs_.end(), [&](const Pair& pair) {
       return pair.shape == contact.shape && pair.cuboid == contact.cuboid;
     });
-    const Shape& bare = model_->shapes()[used_.shapes[contact.shape]].shape;
-    if (is_new && distance(bare, body_.poses[contact.shape], box) == 0.0) return true;
+    const Shape& bare = robot_->model().shapes()[body_.shapes[contact.shape]].shape;
+    if (is_new && distance(bare, body_.body.poses[contact.shape], box) == 0.0) return true;
     return coreDistance(map, contact.shape, contact.cuboid) < least - kNoise;
   });
 }
@@ -71,7 +68,7 @@ double MovingOut::furthest(const JointPath& way, double from_s, double to_s) {
   way.travelUntil(to_s, travel_);
   for (std::size_t v = 0; v < travel_.size(); ++v) travel_[v] -= travel_from_[v];
   double metres = 0.0;
-  for (std::size_t i = 0; i < used_.shapes.size(); ++i) {
+  for (std::size_t i = 0; i < body_.shapes.size(); ++i) {
     metres = std::max(metres, bound_.displacement(i, travel_));
   }
   return metres;
@@ -108,8 +105,8 @@ bool MovingOut::opens(const CuboidMap& map, const std::vector<Contact>& contacts
   pairs_.clear();
   std::fill(least_m_.begin(), least_m_.end(), kInfinity);
   for (const Contact& contact : contacts) {
-    const auto used = std::find(used_.shapes.begin(), used_.shapes.end(), contact.shape);
-    const auto shape = static_cast<std::size_t>(used - used_.shapes.begin());
+    const auto used = std::find(body_.shapes.begin(), body_.shapes.end(), contact.shape);
+    const auto shape = static_cast<std::size_t>(used - body_.shapes.begin());
     const double metres = coreDistance(map, shape, contact.cuboid);
     if (metres == 0.0) return false;
     pairs_.push_back({shape, contact.cuboid, metres, metres});

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "check/pose_check.h"
+#include "check/checked_robot.h"
 #include "robot/joint_path.h"
 #include "robot/motion_bound.h"
 
@@ -18,10 +18,8 @@ namespace tccm {
 /// moves further than 10 mm from one to the next.
 class MovingOut {
  public:
-  /// @throws ConfigError
-  MovingOut(std::shared_ptr<const RobotModel> model, const PoseCheck::Config& config);
+  explicit MovingOut(std::shared_ptr<const CheckedRobot> robot);
 
-  void exempt(const ExemptRegions& regions) { collision_.exempt(regions); }
   /// When a primitive may have moved that far along the way; its end where none does.
   [[nodiscard]] double timeOf(const JointPath& way, double metres);
   /// @param contacts of the pose at the way's begin.
@@ -33,7 +31,7 @@ class MovingOut {
  private:
   /// Of one contact.
   struct Pair {
-    std::size_t shape;  ///< index into used_
+    std::size_t shape;  ///< index into the body's shapes
     std::uint32_t cuboid;
     double first_m, last_m;  ///< distance of the core
   };
@@ -46,14 +44,13 @@ class MovingOut {
   /// How far any primitive moves at most.
   [[nodiscard]] double furthest(const JointPath& way, double from_s, double to_s);
 
-  std::shared_ptr<const RobotModel> model_;
-  UsedShapes used_;
-  Body body_;
+  std::shared_ptr<const CheckedRobot> robot_;
+  UsedBody body_;
   std::vector<Shape> cores_;
   Kinematics kinematics_;
-  CollisionCheck collision_;
   MotionBound bound_;
   std::size_t contacts_max_;
+  std::vector<Contact> contacts_;  ///< at the pose looked at
   std::size_t poses_ = 0;
   std::vector<double> positions_;
   std::vector<double> travel_from_, travel_;

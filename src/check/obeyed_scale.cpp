@@ -9,9 +9,9 @@ void ObeyedScale::Range::widenBy(double scale) {
   most = std::max(most, scale);
 }
 
-void ObeyedScale::add(Time now, double scale, double braking) {
+void ObeyedScale::add(Time now, double scale, double braking, Duration lag) {
   const double braked = last_ ? most_ - braking * toSeconds(now - *last_) : 1.0;
-  if (!last_ || now - begun_ > lag_) {
+  if (!last_ || now - begun_ > lag) {
     before_ = present_;
     present_ = {scale, scale};
     begun_ = now;

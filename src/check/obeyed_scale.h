@@ -10,13 +10,10 @@ namespace tccm {
 /// and then brakes; so that there is a range. Allocates nothing.
 class ObeyedScale {
  public:
-  /// @param lag_s after which the robot is seen to obey: the controller's and the joint states'
-  /// delay.
-  explicit ObeyedScale(double lag_s) : lag_(fromSeconds(lag_s)) {}
-
   /// @param scale of the permission as of now, 0..1. @param braking of the scale, when the robot
-  /// brakes [1/s]. @pre now does not go back.
-  void add(Time now, double scale, double braking);
+  /// brakes [1/s]. @param lag after which the robot is seen to obey: the controller's and the joint
+  /// states' delay. @pre now does not go back.
+  void add(Time now, double scale, double braking, Duration lag);
 
   [[nodiscard]] double least() const { return least_; }
   [[nodiscard]] double most() const { return most_; }
@@ -27,7 +24,6 @@ class ObeyedScale {
     double most;
     void widenBy(double scale);
   };
-  Duration lag_;
   std::optional<Time> last_;
   Time begun_ = {};             ///< the present part, of at least one lag
   Range present_ = {1.0, 1.0};  ///< of permissions in it

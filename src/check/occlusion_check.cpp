@@ -6,16 +6,20 @@
 
 namespace tccm {
 
-void OcclusionCheck::Config::validate() const {
-  requireInRange("occlusion_resolution_rad", resolution_rad, 0.002, 0.2);
-  requireInRange("occlusion_margin_m", margin_m, 0.0, 1.0);
-  requireInRange("occlusion_hidden_fraction", hidden_fraction, 0.01, 1.0);
-  requireInRange("occlusion_silhouette_min_pixels", silhouette_min_pixels, 0.0, 1000.0);
-  requireInRange("evidence_slow_periods", old_periods, 1.0, 100.0);
+void OcclusionCheck::Config::describe(ParameterTable& table) {
+  table.add("occlusion_resolution_rad", &resolution_rad, "rad", {0.002, 0.2},
+            "edge of a pixel of the Z-buffer; finer than the scans are is of no use");
+  table.add("occlusion_margin_m", &margin_m, "m", {0.0, 1.0},
+            "a cuboid hides only what lies behind it by more");
+  table.add("occlusion_hidden_fraction", &hidden_fraction, "", {0.01, 1.0},
+            "a link is occluded from this hidden share of its silhouette on", Tunable::kYes);
+  table.add("occlusion_silhouette_min_pixels", &silhouette_min_pixels, "pixels", {0.0, 1000.0},
+            "a smaller silhouette is not judged");
 }
 
-OcclusionCheck::OcclusionCheck(const Config& config, std::vector<std::uint32_t> link_of_shape)
-    : config_((config.validate(), config)), buffer_(config.resolution_rad) {
+OcclusionCheck::OcclusionCheck(const Config& config, std::vector<std::uint32_t> link_of_shape,
+                               double old_periods)
+    : config_(validated(config)), old_periods_(old_periods), buffer_(config.resolution_rad) {
   for (const std::uint32_t link : link_of_shape) {
     auto& links = result_.links;
     const auto found = std::find_if(links.begin(), links.end(),
@@ -64,7 +68,7 @@ OcclusionCheck::PixelSight OcclusionCheck::sightOf(const LookImage::Passes& pass
 
 void OcclusionCheck::askLooks(const CuboidMap& map) {
   const LookImage& looks = map.looks;
-  const Duration old = fromSeconds(config_.old_periods * toSeconds(map.look_period));
+  const Duration old = fromSeconds(old_periods_ * toSeconds(map.look_period));
   const bool ages_matter = old > Duration::zero();  // else no period is known yet
   const LookImage::Ticks oldest = ages_matter ? looks.ticksAt(map.stamp - old) : 0;
   const bool same_grid = looks.grid().rows() == buffer_.rows();

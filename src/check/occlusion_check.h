@@ -6,19 +6,12 @@
 #include <vector>
 
 #include "check/z_buffer.h"
+#include "config/parameter_table.h"
 #include "geometry/shape.h"
 #include "map/cuboid_map.h"
+#include "tccm_monitor/verdict.h"
 
 namespace tccm {
-
-/// How much of one link the sensor can see. The fractions are of its silhouette and add up to 1.
-struct LinkVisibility {
-  std::uint32_t link = 0;          ///< as the caller numbers links
-  double silhouette = 0.0;         ///< its share of the picture, in pixels at the horizon
-  double visible_fraction = 1.0;   ///< seen as far as to the link; 1 where it does not show at all
-  double occluded_fraction = 0.0;  ///< surroundings stand before it
-  double unseen_fraction = 0.0;    ///< nobody looked there, or the robot itself stood before it
-};
 
 /// Says which links are hidden from the sensor (paper, section IV.B): there the robot would move
 /// blindly. Three answers for each direction: the newest look in it tells whether the sensor saw as
@@ -34,11 +27,8 @@ class OcclusionCheck {
     double hidden_fraction = 0.15;
     /// Less than this many pixels of silhouette are too few to judge by.
     double silhouette_min_pixels = 2.0;
-    /// Looks that are older than so many tilt periods say nothing.
-    double old_periods = 1.5;
 
-    /// @throws ConfigError
-    void validate() const;
+    void describe(ParameterTable& table);
   };
 
   struct Result {
@@ -48,8 +38,10 @@ class OcclusionCheck {
   };
 
   /// @param link_of_shape for each of the body's shapes the link it belongs to.
+  /// @param old_periods looks that are older than so many tilt periods say nothing.
   /// @throws ConfigError
-  OcclusionCheck(const Config& config, std::vector<std::uint32_t> link_of_shape);
+  OcclusionCheck(const Config& config, std::vector<std::uint32_t> link_of_shape,
+                 double old_periods = 1.5);
 
   /// The reference is valid until the next call.
   const Result& find(const CuboidMap& map, const Body& body);
@@ -68,6 +60,7 @@ class OcclusionCheck {
                                    LookImage::Ticks oldest) const;
 
   Config config_;
+  double old_periods_;
   std::vector<std::uint32_t> slot_of_shape_;  ///< index into result_.links
   ZBuffer buffer_;
   Result result_;

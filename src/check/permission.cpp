@@ -14,20 +14,24 @@ bool isLasting(Reason reason) {
 
 }  // namespace
 
-void Permission::Config::validate() const {
-  requireInRange("release_s", release_s, 0.0, 600.0);
-  requireInRange("release_checks", release_checks, 1, 10000);
-  requireInRange("speed_scale_rise_per_s", speed_scale_rise_per_s, 0.01, 1000.0);
+void Permission::Config::describe(ParameterTable& table) {
+  table.add("release_s", &release_s, "s", {0.0, 600.0},
+            "clear for so long before a stop is released; never less than the map's window",
+            Tunable::kYes);
+  table.add("release_checks", &release_checks, "checks", {1, 10000},
+            "and in so many checks in a row", Tunable::kYes);
+  table.add("hold_until_reset", &hold_until_reset,
+            "collisions at the present pose, and faults, hold until `reset`; false for recordings: "
+            "nobody resets");
+  table.add("speed_scale_rise_per_s", &speed_scale_rise_per_s, "1/s", {0.01, 1000.0},
+            "how fast the speed scale rises; it falls at once", Tunable::kYes);
 }
 
-Permission::Permission(const Config& config) : config_((config.validate(), config)) {
+Permission::Permission(const Config& config) : config_(validated(config)) {
   decision_.reasons.reserve(32);
 }
 
-void Permission::reconfigure(const Config& config) {
-  config.validate();
-  config_ = config;
-}
+void Permission::reconfigure(const Config& config) { config_ = validated(config); }
 
 void Permission::startAnew() { *this = Permission(config_); }
 
@@ -76,6 +80,7 @@ const Permission::Decision& Permission::decide(Time now, Findings& findings) {
                    [](const Cause& a, const Cause& b) { return a.isWorseThan(b); });
   Cause worst = findings.causes.empty() ? Cause() : findings.causes.front();
   bool moving_out = false;
+  double speed_scale = 1.0;
   latch(findings.touching);
   touching_ = findings.touching;
   lasting_ = touching_.reason;
@@ -85,6 +90,7 @@ const Permission::Decision& Permission::decide(Time now, Findings& findings) {
     moving_out = moving_out || cause.reason == Reason::kMovingOut;
     if (isLasting(cause.reason)) lasting_ = std::max(lasting_, cause.reason);
     decision_.reasons.push_back(cause.reason);
+    speed_scale = std::min(speed_scale, cause.speed_scale);
   }
   const bool is_stop = worst.level >= Level::kStop;
   // What is not known to be clear does not count towards the release.
@@ -102,7 +108,7 @@ const Permission::Decision& Permission::decide(Time now, Findings& findings) {
   }
   decision_.worst = worst;
   decision_.latched = latched_.reason;
-  moveScale(now, worst.level >= Level::kStop ? 0.0 : findings.speed_scale);
+  moveScale(now, worst.level >= Level::kStop ? 0.0 : speed_scale);
   return decision_;
 }
 

@@ -4,8 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "check/verdict.h"
+#include "config/parameter_table.h"
 #include "tccm_monitor/time.h"
+#include "tccm_monitor/verdict.h"
 
 namespace tccm {
 
@@ -22,17 +23,15 @@ class Permission {
     bool hold_until_reset = true;
     double speed_scale_rise_per_s = 0.5;  ///< how fast the scale goes up; it falls at once
 
-    /// @throws ConfigError
-    void validate() const;
+    void describe(ParameterTable& table);
   };
 
   /// What one check found.
   struct Findings {
     std::vector<Cause> causes;
-    Cause touching;            ///< kCollision at the present pose, also where it is moved out of
-    bool known = false;        ///< the input is whole and fresh
-    double speed_scale = 1.0;  ///< the least that any of the causes asks for
-    Duration window{0};        ///< of the map
+    Cause touching;      ///< kCollision at the present pose, also where it is moved out of
+    bool known = false;  ///< the input is whole and fresh
+    Duration window{0};  ///< of the map
   };
 
   struct Decision {

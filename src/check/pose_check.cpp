@@ -2,10 +2,6 @@
 
 #include <algorithm>
 
-#include "base/stopwatch.h"
-#include "check/used_body.h"
-#include "tccm_monitor/config_error.h"
-
 namespace tccm {
 namespace {
 
@@ -20,50 +16,41 @@ std::vector<std::uint32_t> linksOf(const RobotModel& model,
 
 }  // namespace
 
-void PoseCheck::Config::validate() const {
-  collision_use.validate(kCollisionKeys);
-  occlusion_use.validate(kOcclusionKeys);
-  collision.validate();
-  occlusion.validate();
+PoseCheck::PoseCheck(std::shared_ptr<const CheckedRobot> robot, double old_periods)
+    : robot_(std::move(robot)),
+      collision_body_(robot_->collisionBody()),
+      occlusion_body_(robot_->occlusionBody()),
+      occlusion_(robot_->config().occlusion, linksOf(robot_->model(), occlusion_body_.shapes),
+                 old_periods) {}
+
+void PoseCheck::check(const CuboidMap& map, const Posture& posture, PoseFindings& findings) {
+  findContacts(map, posture, findings);
+  findOcclusion(map, posture, findings);
 }
 
-PoseCheck::PoseCheck(std::shared_ptr<const RobotModel> model, const Config& config)
-    : model_(std::move(model)),
-      config_((config.validate(), config)),
-      kinematics_(model_),
-      collision_used_(model_->shapesFor(config.collision_use, kCollisionKeys)),
-      occlusion_used_(model_->shapesFor(config.occlusion_use, kOcclusionKeys)),
-      collision_body_(bodyOf(*model_, collision_used_)),
-      occlusion_body_(bodyOf(*model_, occlusion_used_)),
-      collision_(config.collision),
-      occlusion_(config.occlusion, linksOf(*model_, occlusion_used_.shapes)) {}
-
-void PoseCheck::check(const CuboidMap& map, const std::vector<double>& positions,
-                      const std::vector<Pose>& T_fixed_roots, PoseFindings& findings) {
-  Stopwatch stopwatch;
-  kinematics_.update(positions, T_fixed_roots);
-  place(collision_used_.shapes, kinematics_.shapePoses(), collision_body_);
-  const std::vector<Contact>& contacts = collision_.find(map, collision_body_);
-  findings.contacts.reserve(contacts.capacity());  // once for all
-  findings.contacts = contacts;
+void PoseCheck::findContacts(const CuboidMap& map, const Posture& posture, PoseFindings& findings) {
+  collision_body_.place(posture);
+  robot_->collision().find(map, collision_body_.body, findings.contacts);
   for (Contact& contact : findings.contacts) {
-    contact.shape = static_cast<std::uint32_t>(collision_used_.shapes[contact.shape]);
+    contact.shape = static_cast<std::uint32_t>(collision_body_.shapes[contact.shape]);
   }
   findings.collision = !findings.contacts.empty();
-  findings.collision_us = stopwatch.lapMicroseconds();
+}
+
+void PoseCheck::findOcclusion(const CuboidMap& map, const Posture& posture,
+                              PoseFindings& findings) {
   findings.links.clear();
   findings.occluding_cuboids.clear();
   findings.occlusion = false;
-  if (!config_.check_occlusion) return;
-  place(occlusion_used_.shapes, kinematics_.shapePoses(), occlusion_body_);
-  const OcclusionCheck::Result& hidden = occlusion_.find(map, occlusion_body_);
+  if (!robot_->config().check_occlusion) return;
+  occlusion_body_.place(posture);
+  const OcclusionCheck::Result& hidden = occlusion_.find(map, occlusion_body_.body);
   findings.links = hidden.links;
   findings.occluding_cuboids.reserve(hidden.cuboids.capacity());
   findings.occluding_cuboids = hidden.cuboids;
   findings.occlusion =
       std::any_of(hidden.links.begin(), hidden.links.end(),
                   [this](const LinkVisibility& link) { return occlusion_.isOccluded(link); });
-  findings.occlusion_us = stopwatch.lapMicroseconds();
 }
 
 std::string PoseCheck::mostHiddenLink(const PoseFindings& findings) const {
@@ -72,7 +59,7 @@ std::string PoseCheck::mostHiddenLink(const PoseFindings& findings) const {
     if (!occlusion_.isOccluded(link)) continue;
     if (!most || link.occluded_fraction > most->occluded_fraction) most = &link;
   }
-  return most ? model_->links()[most->link] : std::string();
+  return most ? robot_->model().links()[most->link] : std::string();
 }
 
 }  // namespace tccm

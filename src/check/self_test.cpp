@@ -32,32 +32,33 @@ CuboidMap mapOfOneCuboid(int points) {
 
 }  // namespace
 
-std::vector<std::string> selfTest(const std::shared_ptr<const RobotModel>& model, PoseCheck& check,
-                                  const PoseCheck::Config& config) {
+std::vector<std::string> selfTest(const CheckedRobot& robot, PoseCheck& check) {
+  const RobotModel& model = robot.model();
   // Some pose within the limits; the middles of the primitives are known at any.
   std::vector<double> positions;
-  for (const JointVariable& variable : model->variables()) {
+  for (const JointVariable& variable : model.variables()) {
     const bool limited = variable.lower && variable.upper;
     positions.push_back(limited ? 0.5 * (*variable.lower + *variable.upper) : 0.0);
   }
-  const std::vector<Pose> T_fixed_roots(model->roots().size(), Pose::Identity());
-  Kinematics kinematics(model);
-  kinematics.update(positions, T_fixed_roots);
-  const CuboidMap map = mapOfOneCuboid(config.collision.support_points);
-  const auto most = static_cast<std::size_t>(config.collision.contacts_max);
+  const std::vector<Pose> T_fixed_roots(model.roots().size(), Pose::Identity());
+  Kinematics at_rest(robot.sharedModel()), moved(robot.sharedModel());
+  at_rest.update(positions, T_fixed_roots);
+  const CollisionCheck::Config& rule = robot.config().collision;
+  const CuboidMap map = mapOfOneCuboid(rule.support_points);
+  const auto most = static_cast<std::size_t>(rule.contacts_max);
   std::vector<std::string> missed;
   PoseFindings findings;
-  for (const std::size_t shape : model->shapesFor(config.collision_use, kCollisionKeys).shapes) {
+  for (const std::size_t shape : robot.collisionBody().shapes) {
     // The robot is moved to the cuboid.
-    std::vector<Pose> moved = T_fixed_roots;
-    for (Pose& pose : moved) pose.pretranslate(-kinematics.shapePoses()[shape].translation());
-    check.check(map, positions, moved, findings);
+    std::vector<Pose> roots = T_fixed_roots;
+    for (Pose& pose : roots) pose.pretranslate(-at_rest.shapePoses()[shape].translation());
+    check.findContacts(map, moved.update(positions, roots), findings);
     const auto& contacts = findings.contacts;
     const bool found = contacts.size() == most || std::any_of(contacts.begin(), contacts.end(),
                                                               [shape](const Contact& contact) {
                                                                 return contact.shape == shape;
                                                               });
-    const std::string& link = model->linkOf(shape);
+    const std::string& link = model.linkOf(shape);
     if (!found && std::find(missed.begin(), missed.end(), link) == missed.end()) {
       missed.push_back(link);
     }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -12,7 +11,6 @@ namespace tccm {
 /// the primitives that are to be checked for collision, and has to be found as a contact of its
 /// link. A checker that silently does not check is worse than none.
 /// @return the links whose cuboid was not found; none where all is well.
-[[nodiscard]] std::vector<std::string> selfTest(const std::shared_ptr<const RobotModel>& model,
-                                                PoseCheck& check, const PoseCheck::Config& config);
+[[nodiscard]] std::vector<std::string> selfTest(const CheckedRobot& robot, PoseCheck& check);
 
 }  // namespace tccm

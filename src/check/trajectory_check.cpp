@@ -19,57 +19,56 @@ std::string atTime(const std::string& what, double time_s) {
 
 }  // namespace
 
-void TrajectoryCheck::Config::validate() const {
-  pose.validate();
-  requireInRange("clearance_radius_m", clearance_radius_m, 0.0, 1.0);
-  requireInRange("trajectory_step_m", step_m, 1e-4, 0.1);
-  requireInRange("trajectory_occlusion_poses", occlusion_poses, 1, 1000);
+void TrajectoryCheck::Config::describe(ParameterTable& table) {
+  table.add("trajectory_step_m", &step_m, "m", {1e-4, 0.1},
+            "as `way_step_m`, for `check_trajectory`: a contact that is passed over is no deeper "
+            "than half of it");
+  table.add("trajectory_occlusion_poses", &occlusion_poses, "", {1, 1000},
+            "so many waypoints, spread evenly, are looked at for occlusion");
 }
 
-TrajectoryCheck::TrajectoryCheck(std::shared_ptr<const RobotModel> model, const Config& config)
-    : model_(std::move(model)),
-      config_((config.validate(), config)),
-      pose_(model_, config.pose),
-      way_(model_, config.pose.collision_use, config.pose.collision, config.step_m, 0.0),
-      clearance_(model_, config.pose.collision_use, config.pose.collision,
-                 config.clearance_radius_m),
-      path_(model_->variables().size()) {}
+TrajectoryCheck::TrajectoryCheck(const std::shared_ptr<const CheckedRobot>& robot,
+                                 const Config& config, double clearance_radius_m,
+                                 double old_periods)
+    : robot_(robot),
+      config_(validated(config)),
+      kinematics_(robot->sharedModel()),
+      pose_(robot, old_periods),
+      way_(robot, config.step_m, 0.0),
+      clearance_(robot, clearance_radius_m),
+      path_(robot->model().variables().size()) {}
 
-void TrajectoryCheck::exempt(const ExemptRegions& regions) {
-  pose_.exempt(regions);
-  way_.exempt(regions);
-}
-
-TrajectoryCheck::Answer TrajectoryCheck::check(const CuboidMap& map,
-                                               const JointTrajectory& trajectory,
-                                               const std::vector<double>& from,
-                                               const std::vector<Pose>& T_fixed_roots) {
-  Answer answer;
-  const std::string defect = defectOf(trajectory, *model_);
+TrajectoryAnswer TrajectoryCheck::check(const CuboidMap& map, const JointTrajectory& trajectory,
+                                        const std::vector<double>& from,
+                                        const std::vector<Pose>& T_fixed_roots) {
+  TrajectoryAnswer answer;
+  const std::string defect = defectOf(trajectory, robot_->model());
   if (!defect.empty()) {
     answer.cause = {Reason::kBadQuestion, defect};
     return answer;
   }
-  makePath(trajectory, *model_, from, kSplineTolerance, path_);
+  makePath(trajectory, robot_->model(), from, kSplineTolerance, path_);
   for (const JointTrajectory::Point& point : trajectory.points) {
     path_.positionsAt(point.time_s, positions_);
-    answer.clearances_m.push_back(clearance_.least(map, positions_, T_fixed_roots));
+    answer.clearances_m.push_back(
+        clearance_.least(map, kinematics_.update(positions_, T_fixed_roots)));
   }
   findCollision(map, trajectory, T_fixed_roots, answer);
-  if (answer.cause.reason == Reason::kClear && config_.pose.check_occlusion) {
+  if (answer.cause.reason == Reason::kClear && robot_->config().check_occlusion) {
     findOcclusion(map, trajectory, T_fixed_roots, answer);
   }
   return answer;
 }
 
 void TrajectoryCheck::findCollision(const CuboidMap& map, const JointTrajectory& trajectory,
-                                    const std::vector<Pose>& T_fixed_roots, Answer& answer) {
+                                    const std::vector<Pose>& T_fixed_roots,
+                                    TrajectoryAnswer& answer) {
   double from_s = path_.begin();
   for (std::size_t i = 0; i < trajectory.points.size(); ++i) {
     const double to_s = trajectory.points[i].time_s;
     const auto found = way_.firstContact(map, path_, from_s, to_s, T_fixed_roots, i == 0);
     if (found) {
-      const std::string& link = model_->linkOf(found->contact.shape);
+      const std::string& link = robot_->model().linkOf(found->contact.shape);
       answer.index = i;
       answer.time_s = from_s + found->time_s;
       answer.contact = found->contact;
@@ -81,13 +80,14 @@ void TrajectoryCheck::findCollision(const CuboidMap& map, const JointTrajectory&
 }
 
 void TrajectoryCheck::findOcclusion(const CuboidMap& map, const JointTrajectory& trajectory,
-                                    const std::vector<Pose>& T_fixed_roots, Answer& answer) {
+                                    const std::vector<Pose>& T_fixed_roots,
+                                    TrajectoryAnswer& answer) {
   const std::size_t points = trajectory.points.size();
   const auto poses = std::min(points, static_cast<std::size_t>(config_.occlusion_poses));
   for (std::size_t k = 1; k <= poses; ++k) {
     const std::size_t i = k * points / poses - 1;  // the last one is among them
     path_.positionsAt(trajectory.points[i].time_s, positions_);
-    pose_.check(map, positions_, T_fixed_roots, findings_);
+    pose_.findOcclusion(map, kinematics_.update(positions_, T_fixed_roots), findings_);
     const std::string hidden = pose_.mostHiddenLink(findings_);
     if (hidden.empty()) continue;
     answer.index = i;

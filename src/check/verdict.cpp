@@ -1,4 +1,4 @@
-#include "check/verdict.h"
+#include "tccm_monitor/verdict.h"
 
 namespace tccm {
 

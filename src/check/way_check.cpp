@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "check/nearest_cuboid.h"
-#include "check/used_body.h"
 #include "geometry/distance.h"
 #include "geometry/overlap.h"
 
@@ -18,22 +17,20 @@ constexpr double kTouching = 1e-6;  // [m] that count as nothing
 
 }  // namespace
 
-WayCheck::WayCheck(std::shared_ptr<const RobotModel> model, const LinkUse& collision_use,
-                   const CollisionCheck::Config& collision, double step_m, double margin_max_m)
-    : model_(std::move(model)),
-      used_(model_->shapesFor(collision_use, kCollisionKeys)),
-      body_(bodyOf(*model_, used_)),
+WayCheck::WayCheck(std::shared_ptr<const CheckedRobot> robot, double step_m, double margin_max_m)
+    : robot_(std::move(robot)),
+      body_(robot_->collisionBody()),
       grown_(body_),
+      margin_max_m_(margin_max_m),
       margins_m_(body_.shapes.size(), 0.0),
       speeds_mps_(body_.shapes.size(), 0.0),
       skipped_(body_.shapes.size(), false),
-      kinematics_(model_),
-      collision_(collision),
-      bound_(*model_, used_.shapes, radiiOf(body_, margin_max_m)),
+      kinematics_(robot_->sharedModel()),
+      bound_(robot_->model(), body_.shapes, body_.radii(margin_max_m)),
       reach_max_m_(0.5 * step_m),
       stretches_(kDepthMax + 1),
       known_(body_.shapes.size()) {
-  const std::size_t variables = model_->variables().size();
+  const std::size_t variables = robot_->model().variables().size();
   for (Known& known : known_) known.travel.resize(variables);
   since_known_.resize(variables);
   for (Stretch& stretch : stretches_) {
@@ -53,46 +50,46 @@ void WayCheck::clearMargins() {
 void WayCheck::skip(const std::vector<Contact>& contacts) {
   std::fill(skipped_.begin(), skipped_.end(), false);
   for (const Contact& contact : contacts) {
-    const auto used = std::find(used_.shapes.begin(), used_.shapes.end(), contact.shape);
-    if (used != used_.shapes.end()) {
-      skipped_[static_cast<std::size_t>(used - used_.shapes.begin())] = true;
+    const auto used = std::find(body_.shapes.begin(), body_.shapes.end(), contact.shape);
+    if (used != body_.shapes.end()) {
+      skipped_[static_cast<std::size_t>(used - body_.shapes.begin())] = true;
     }
   }
 }
 
 void WayCheck::setMargins(const JointPath& path, double from_s, double to_s,
-                          const std::vector<Pose>& T_fixed_roots, const Margin& margin) {
+                          const std::vector<Pose>& T_fixed_roots, double per_speed_s) {
   std::fill(speeds_mps_.begin(), speeds_mps_.end(), 0.0);
   const double step_s = (to_s - from_s) / kSpeedSamples;
   std::vector<double>& positions = stretches_.front().positions;
   for (int k = 0; step_s > 0.0 && k <= kSpeedSamples; ++k) {
     path.positionsAt(from_s + k * step_s, positions);
     kinematics_.update(positions, T_fixed_roots);
-    for (std::size_t i = 0; i < used_.shapes.size(); ++i) {
-      const Pose& pose = kinematics_.shapePoses()[used_.shapes[i]];
+    for (std::size_t i = 0; i < body_.shapes.size(); ++i) {
+      const Pose& pose = kinematics_.shapePoses()[body_.shapes[i]];
       if (k > 0) {
-        const double moved = displacement(body_.poses[i], pose, boundingRadius(body_.shapes[i]));
+        const double moved =
+            displacement(body_.body.poses[i], pose, boundingRadius(body_.body.shapes[i]));
         speeds_mps_[i] = std::max(speeds_mps_[i], moved / step_s);
       }
-      body_.poses[i] = pose;
+      body_.body.poses[i] = pose;
     }
   }
   for (std::size_t i = 0; i < margins_m_.size(); ++i) {
-    margins_m_[i] = std::min(margin.per_speed_s * speeds_mps_[i], margin.max_m);
+    margins_m_[i] = std::min(per_speed_s * speeds_mps_[i], margin_max_m_);
   }
   growBodies();
 }
 
 void WayCheck::growBodies() {
   for (std::size_t i = 0; i < margins_m_.size(); ++i) {
-    grown_.shapes[i] = expanded(body_.shapes[i], {1.0, margins_m_[i]});
+    grown_.body.shapes[i] = expanded(body_.body.shapes[i], {1.0, margins_m_[i]});
   }
 }
 
 void WayCheck::place(const Way& way, double time_s, std::vector<double>& positions) {
   way.path.positionsAt(time_s, positions);
-  kinematics_.update(positions, way.T_fixed_roots);
-  tccm::place(used_.shapes, kinematics_.shapePoses(), grown_);
+  grown_.place(kinematics_.update(positions, way.T_fixed_roots));
   ++poses_;
 }
 
@@ -116,7 +113,8 @@ double WayCheck::knownClearance(std::uint32_t shape, const std::vector<double>& 
 std::optional<Contact> WayCheck::touching(const Way& way, std::uint32_t shape,
                                           const std::vector<double>& travel) {
   if (knownClearance(shape, travel) > 0.0) return std::nullopt;
-  const auto cuboid = collision_.first(way.map, grown_.shapes[shape], grown_.poses[shape], shape);
+  const auto cuboid = robot_->collision().first(way.map, grown_.body.shapes[shape],
+                                                grown_.body.poses[shape], shape);
   if (!cuboid) return std::nullopt;
   return Contact{shape, *cuboid};
 }
@@ -124,15 +122,15 @@ std::optional<Contact> WayCheck::touching(const Way& way, std::uint32_t shape,
 bool WayCheck::comesNear(const Way& way, std::uint32_t shape, const std::vector<double>& travel,
                          double metres) {
   Known& known = known_[shape];
-  const Shape& solid = grown_.shapes[shape];
-  const Pose& pose = grown_.poses[shape];
+  const Shape& solid = grown_.body.shapes[shape];
+  const Pose& pose = grown_.body.poses[shape];
   if (known.nearest) {
     const UprightBox box = way.map.box(way.map.cuboids[*known.nearest]);
     if (overlaps(expanded(solid, {1.0, metres}), pose, box)) return true;
   }
   NearestCuboidSearch search(way.map, solid, pose, metres + kTouching);
-  const auto found =
-      search.find([&](const Cuboid& cuboid) { return collision_.hasSupport(way.map, cuboid); });
+  const auto found = search.find(
+      [&](const Cuboid& cuboid) { return robot_->collision().hasSupport(way.map, cuboid); });
   known.clearance_m = found ? found->distance_m : metres + kTouching;
   known.travel = travel;
   if (found) known.nearest = found->cuboid;
@@ -169,9 +167,9 @@ std::optional<WayCheck::Found> WayCheck::search(const Way& way, double from_s, d
     if (!comesNear(way, shape, stretch.travel_middle, moved)) continue;
     const bool is_jump = depth == kDepthMax && moved > reach_max_m_;
     std::optional<std::uint32_t> swept_cuboid;
-    if (is_exempt_ || is_jump) {
-      const Shape swept = expanded(grown_.shapes[shape], {1.0, moved});
-      swept_cuboid = collision_.first(way.map, swept, grown_.poses[shape], shape);
+    if (robot_->collision().exemptsAny() || is_jump) {
+      const Shape swept = expanded(grown_.body.shapes[shape], {1.0, moved});
+      swept_cuboid = robot_->collision().first(way.map, swept, grown_.body.poses[shape], shape);
       if (!swept_cuboid) continue;
     }
     stretch.shapes[near++] = shape;
@@ -220,9 +218,9 @@ std::optional<WayContact> WayCheck::firstContact(const CuboidMap& map, const Joi
   contact.link_speed_mps = speeds_mps_[found->contact.shape];
   place(way, from_s, stretches_.front().positions);
   contact.distance_m =
-      distance(grown_.shapes[found->contact.shape], grown_.poses[found->contact.shape],
+      distance(grown_.body.shapes[found->contact.shape], grown_.body.poses[found->contact.shape],
                map.box(map.cuboids[found->contact.cuboid]));
-  contact.contact = {static_cast<std::uint32_t>(used_.shapes[found->contact.shape]),
+  contact.contact = {static_cast<std::uint32_t>(body_.shapes[found->contact.shape]),
                      found->contact.cuboid};
   return contact;
 }

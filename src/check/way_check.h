@@ -6,12 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "check/collision_check.h"
-#include "check/verdict.h"
-#include "geometry/shape.h"
+#include "check/checked_robot.h"
 #include "robot/joint_path.h"
-#include "robot/kinematics.h"
-#include "robot/link_use.h"
 #include "robot/motion_bound.h"
 
 namespace tccm {
@@ -24,27 +20,17 @@ namespace tccm {
 /// than half a step.
 class WayCheck {
  public:
-  /// What is grown, and how, beyond LinkUse: by the speed of each primitive.
-  struct Margin {
-    double per_speed_s = 0.0;  ///< metres for each metre a second that the primitive moves at
-    double max_m = 0.1;
-  };
-
   /// @param step_m no primitive moves further between two poses that are looked at.
-  /// @throws ConfigError
-  WayCheck(std::shared_ptr<const RobotModel> model, const LinkUse& collision_use,
-           const CollisionCheck::Config& collision, double step_m, double margin_max_m);
+  /// @param margin_max_m none is larger.
+  WayCheck(std::shared_ptr<const CheckedRobot> robot, double step_m, double margin_max_m);
 
-  void exempt(const ExemptRegions& regions) {
-    collision_.exempt(regions);
-    is_exempt_ = !regions.empty();
-  }
-  [[nodiscard]] const std::vector<std::size_t>& shapes() const { return used_.shapes; }
+  [[nodiscard]] const std::vector<std::size_t>& shapes() const { return body_.shapes; }
 
   /// How fast each of shapes() moves at most along the way, from poses a quarter of it apart, and
   /// how much it grows by for that. Lasts until the next call.
+  /// @param per_speed_s metres for each metre a second that the primitive moves at.
   void setMargins(const JointPath& path, double from_s, double to_s,
-                  const std::vector<Pose>& T_fixed_roots, const Margin& margin);
+                  const std::vector<Pose>& T_fixed_roots, double per_speed_s);
   /// Speeds stay known.
   void clearMargins();
   /// Shapes of these contacts are not looked at until the next call.
@@ -100,18 +86,16 @@ class WayCheck {
                              std::vector<double>& travel) const;
   void growBodies();
 
-  std::shared_ptr<const RobotModel> model_;
-  UsedShapes used_;
-  Body body_;   ///< expanded as asked for
-  Body grown_;  ///< and by the margin
+  std::shared_ptr<const CheckedRobot> robot_;
+  UsedBody body_;   ///< expanded as asked for
+  UsedBody grown_;  ///< and by the margin
+  double margin_max_m_;
   std::vector<double> margins_m_;
   std::vector<double> speeds_mps_;
   std::vector<bool> skipped_;
   Kinematics kinematics_;
-  CollisionCheck collision_;
   MotionBound bound_;
   double reach_max_m_;               ///< half a step
-  bool is_exempt_ = false;           ///< any region
   std::vector<Stretch> stretches_;   ///< by depth
   std::vector<Known> known_;         ///< by shape
   std::vector<double> since_known_;  ///< reused

@@ -97,15 +97,19 @@ double totalVolume(const PrimitiveFit& fit) {
 
 }  // namespace
 
+void PrimitiveFitConfig::describe(ParameterTable& table) {
+  table.add("fit_primitives_max", &primitives_max, "", {1, 16}, "primitives for one mesh");
+  table.add("fit_split_gain", &split_gain, "", {0.0, 0.9},
+            "a further primitive has to better the fit by this share");
+}
+
 void PrimitiveFitConfig::validate() const {
-  requireInRange("fit_primitives_max", primitives_max, 1, 16);
-  requireInRange("fit_split_gain", split_gain, 0.0, 0.9);
-  requireInRange("fit_margin_m", margin_m, 0.0, 0.1);
+  if (!(margin_m >= 0.0 && margin_m <= 0.1)) throw ConfigError("margin_m must be 0 to 0.1 m");
 }
 
 PrimitiveFit fitPrimitives(const Mesh& mesh, const PrimitiveFitConfig& config,
                            const std::string& owner) {
-  config.validate();
+  static_cast<void>(validated(config));
   requireSound(mesh, owner);
   PrimitiveFit best;
   double least = std::numeric_limits<double>::infinity();

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "config/parameter_table.h"
 #include "geometry/shape.h"
 #include "mesh/mesh.h"
 
@@ -27,8 +28,8 @@ struct PrimitiveFitConfig {
   /// Primitives are larger by this, so that rounding leaves nothing outside.
   double margin_m = 1e-5;
 
-  /// @throws ConfigError
-  void validate() const;
+  void describe(ParameterTable& table);
+  void validate() const;  ///< margin_m, which is no parameter
 };
 
 /// Covers the mesh with the box, cylinder, capsule or sphere of least volume, or with several where

@@ -27,23 +27,33 @@ CellIndex clampToCells(double index, CellIndex cells) {
 
 }  // namespace
 
+void Grid::Config::describe(ParameterTable& table) {
+  // Room for a thickness below the lowest.
+  const double highest = 32000.0 * height_quantum_m;
+  table.add("area_origin_x_m", &origin_x_m, "m", {-kFarthest, kFarthest},
+            "the area's corner with the least x");
+  table.add("area_origin_y_m", &origin_y_m, "m", {-kFarthest, kFarthest},
+            "the area's corner with the least y");
+  table.add("cell_size_m", &cell_size_m, "m", {0.001, 1.0}, "edge of a cell");
+  table.add("area_size_x_m", &size_x_m, "m", {cell_size_m, kFarthest},
+            "whole cells; the last may reach beyond");
+  table.add("area_size_y_m", &size_y_m, "m", {cell_size_m, kFarthest},
+            "whole cells; the last may reach beyond");
+  table.add("height_quantum_m", &height_quantum_m, "m", {1e-4, 0.1}, "heights are multiples of it");
+  table.add("height_min_m", &height_min_m, "m", {-0.5 * highest, highest},
+            "points below are out of the area");
+  table.add("height_max_m", &height_max_m, "m", {height_min_m + height_quantum_m, highest},
+            "points at or above are out of the area");
+}
+
 void Grid::Config::validate() const {
-  requireInRange("area_origin_x_m", origin_x_m, -kFarthest, kFarthest);
-  requireInRange("area_origin_y_m", origin_y_m, -kFarthest, kFarthest);
-  requireInRange("cell_size_m", cell_size_m, 0.001, 1.0);
-  requireInRange("area_size_x_m", size_x_m, cell_size_m, kFarthest);
-  requireInRange("area_size_y_m", size_y_m, cell_size_m, kFarthest);
   const double cells = cellsAlong(size_x_m, cell_size_m) * cellsAlong(size_y_m, cell_size_m);
   requireInRange("cells of the area (area_size_x_m, area_size_y_m, cell_size_m)", cells, 1.0,
                  kCellsMax);
-  requireInRange("height_quantum_m", height_quantum_m, 1e-4, 0.1);
-  const double highest = 32000.0 * height_quantum_m;  // room for a thickness below the lowest
-  requireInRange("height_min_m", height_min_m, -0.5 * highest, highest);
-  requireInRange("height_max_m", height_max_m, height_min_m + height_quantum_m, highest);
 }
 
 Grid::Grid(const Config& config)
-    : config_((config.validate(), config)),
+    : config_(validated(config)),
       cells_a_metre_(1.0 / config.cell_size_m),
       quanta_a_metre_(1.0 / config.height_quantum_m),
       doubt_cells_(kDoubt * cells_a_metre_),

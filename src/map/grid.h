@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "config/parameter_table.h"
 #include "geometry/shape.h"
 
 namespace tccm {
@@ -28,7 +29,8 @@ class Grid {
     double cell_size_m = 0.02;
     double height_quantum_m = 0.001;
 
-    /// @throws ConfigError, also where a height does not fit into 16 bits of quanta.
+    void describe(ParameterTable& table);
+    /// @throws ConfigError where two values contradict each other.
     void validate() const;
   };
 

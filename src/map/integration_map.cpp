@@ -19,16 +19,19 @@ double placeDoubt(const Grid::Config& grid) {
 
 }  // namespace
 
-void IntegrationMap::Config::validate() const {
-  grid.validate();
-  requireInRange("thickness_m", thickness_m, grid.height_quantum_m, 2000.0 * grid.height_quantum_m);
-  requireInRange("window_scans_max", static_cast<double>(scans_max), 1.0, 100000.0);
-  requireInRange("window_returns_max", static_cast<double>(returns_max), 1.0, 1e8);
-  requireInRange("intervals_max", static_cast<double>(intervals_max), 2.0, 1e8);
+void IntegrationMap::Config::describe(ParameterTable& table) {
+  grid.describe(table);
+  table.add("thickness_m", &thickness_m, "m",
+            {grid.height_quantum_m, 2000.0 * grid.height_quantum_m},
+            "a point at height z occupies (z - thickness, z]");
+  table.add("window_scans_max", &scans_max, "scans", {1.0, 100000.0},
+            "the longest window there is memory for");
+  table.add("window_returns_max", &returns_max, "points", {1.0, 1e8}, "in the window");
+  table.add("intervals_max", &intervals_max, "", {2.0, 1e8}, "occupied intervals in all cells");
 }
 
 IntegrationMap::IntegrationMap(const Config& config)
-    : config_((config.validate(), config)),
+    : config_(validated(config)),
       grid_(config.grid),
       thickness_(grid_.heightOf(config.thickness_m)),
       columns_(grid_.cells(), config.intervals_max, config.scans_max + 2),
@@ -167,6 +170,7 @@ void IntegrationMap::clear() {
   ring_.clear();
   forgotten_.clear();
   overflow_serial_ = 0;
+  ++beginnings_;
 }
 
 bool IntegrationMap::overflowed() const {

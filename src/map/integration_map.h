@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "config/parameter_table.h"
 #include "map/columns.h"
 #include "map/cuboid_map.h"
 #include "map/forgotten_regions.h"
@@ -30,8 +31,9 @@ class IntegrationMap {
     std::size_t returns_max = 400000;  ///< in the window
     std::size_t intervals_max = 200000;
 
+    void describe(ParameterTable& table);
     /// @throws ConfigError
-    void validate() const;
+    void validate() const { grid.validate(); }
   };
 
   struct Added {
@@ -90,6 +92,9 @@ class IntegrationMap {
   [[nodiscard]] Height thickness() const { return thickness_; }
   [[nodiscard]] std::size_t scans() const { return ring_.scans(); }
   [[nodiscard]] std::size_t scansMax() const { return config_.scans_max; }
+  [[nodiscard]] const Config& config() const { return config_; }
+  /// How often all was forgotten.
+  [[nodiscard]] std::uint32_t beginnings() const { return beginnings_; }
   [[nodiscard]] Time oldestStamp() const { return ring_.oldestStamp(); }
   [[nodiscard]] Time newestStamp() const { return newest_stamp_; }
   [[nodiscard]] std::uint32_t serial() const { return serial_; }
@@ -146,6 +151,7 @@ class IntegrationMap {
   std::uint32_t serial_ = 0;
   std::uint32_t overflow_serial_ = 0;  ///< of the last scan with points left out
   Time newest_stamp_;
+  std::uint32_t beginnings_ = 0;
 };
 
 template <typename Visit>

@@ -5,29 +5,18 @@
 #include <string>
 #include <vector>
 
+#include "config/parameter_table.h"
 #include "map/cuboid_map.h"
-#include "map/held_layer.h"
+#include "map/hold.h"
 #include "map/integration_map.h"
-#include "map/place_ages.h"
+#include "map/scan_returns.h"
 #include "map/tilt_period.h"
-#include "sight/look.h"
 #include "sight/look_map.h"
-#include "sight/newest_looks.h"
-#include "tccm_monitor/time.h"
 
 namespace tccm {
 
-/// What the mapper takes of a scan.
-struct ScanReturns {
-  Time stamp;                           ///< of the first beam
-  Vector3 viewpoint = Vector3::Zero();  ///< the sensor's origin at the last beam [m]
-  double tilt = 0.0;                    ///< of the sensor at the first beam [rad]
-  std::vector<Vector3> points;          ///< in the fixed frame [m]
-  std::vector<Look> looks;              ///< what its beams say of the space along them
-};
-
 /// Keeps the integration map over its window, the last sweep of the tilting sensor; beside it what
-/// the sensor looked at, and what left the window although nobody looked at its place again.
+/// the sensor looked at, and what is held. Ages of places are kept by whoever shows them.
 class Mapper {
  public:
   struct Config {
@@ -45,17 +34,10 @@ class Mapper {
     /// is played again: the map starts over.
     double time_jump_back_s = 0.1;
     LookMap::Config looks;
-    /// What leaves the window is held for so long at most, unless its place is looked at, or looked
-    /// through in its direction and all around it; 0: what leaves the window is gone.
-    double hold_s = 10.0;
-    double hold_look_angle_rad = 0.0175;  ///< a look within it of a place looks at the place
-    /// But not where the robot, nearer than the place, was looked at within this angle of the look:
-    /// at least what neighbouring scans are apart.
-    double hold_outline_rad = 0.04;
-    double hold_look_short_m = 0.05;  ///< a look that ends this much before saw it all the same
-    std::size_t held_max = 20000;     ///< intervals
+    Hold::Config hold;
 
-    /// @throws ConfigError
+    void describe(ParameterTable& table);
+    /// @throws ConfigError where two values contradict each other.
     void validate() const;
   };
 
@@ -70,9 +52,6 @@ class Mapper {
 
   /// A scan that is not newer than the last is dropped, unless time jumped back.
   Outcome add(const ScanReturns& scan);
-  /// What nobody waits for: follows the newest scan with the ages that dyn tells. To be called once
-  /// the map is out; where it was not, the next scan does it.
-  void settle();
   /// Takes a region out of the map, and out of scans stamped up to `until` that are still to come:
   /// what was grasped is no longer a part of the surroundings. See IntegrationMap::forget(). A jump
   /// back in time ends it.
@@ -87,8 +66,9 @@ class Mapper {
   void reserve(CuboidMap& map) const;
 
   [[nodiscard]] const IntegrationMap& map() const { return map_; }
+  [[nodiscard]] const LookImage& looks() const { return looks_.image(); }
   /// What is held beside the map, in intervals.
-  [[nodiscard]] std::size_t held() const { return held_.size(); }
+  [[nodiscard]] std::size_t held() const { return hold_.layer().size(); }
   /// The length of the window; nothing while the tilt period is not measured.
   [[nodiscard]] std::optional<Duration> window() const;
   [[nodiscard]] std::optional<Duration> tiltPeriod() const { return tilt_.period(); }
@@ -98,25 +78,13 @@ class Mapper {
   [[nodiscard]] bool complete() const;
   [[nodiscard]] Duration lookPeriod() const;
   void followTilt(Time stamp, double tilt);
-  void look(const ScanReturns& scan);
   void expire();
-  void expireOldest();
-  void release(const ScanReturns& scan);
-  [[nodiscard]] std::uint32_t heldAround(CellIndex cell, Columns::Heights heights) const;
-  [[nodiscard]] Vector3 placeOf(CellIndex cell, Columns::Heights heights) const;
-  [[nodiscard]] Vector3& viewpointOf(std::uint32_t serial) {
-    return viewpoints_[serial % viewpoints_.size()];
-  }
+  void expireOldest() { hold_.expireOldest(map_, looks_.image(), *newest_); }
 
   Config config_;
   IntegrationMap map_;
   LookMap looks_;
-  NewestLooks newest_looks_;
-  HeldLayer held_;
-  PlaceAges ages_;
-  bool settled_ = true;                       ///< the ages follow the newest scan
-  std::vector<Vector3> viewpoints_;           ///< of the window's scans, by serial
-  std::optional<std::uint32_t> lost_serial_;  ///< of the last scan when something could not be held
+  Hold hold_;
   TiltPeriod tilt_;
   std::optional<Duration> last_period_;  ///< of the tilt, also where it has stopped since
   bool tilt_stopped_ = false;            ///< and has not made a whole period again

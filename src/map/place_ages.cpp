@@ -54,6 +54,8 @@ Vector3 PlaceAges::middleOf(const Place& place) const {
 }
 
 void PlaceAges::follow(const IntegrationMap& map, const LookImage& looks) {
+  if (beginnings_ != map.beginnings()) clear();
+  beginnings_ = map.beginnings();
   stamps_[map.serial() % stamps_.size()] = map.newestStamp();
   map.visitNewest([&](const MappedReturn& entry) {
     const std::size_t layer = layerOf(entry.height, map);
@@ -176,6 +178,7 @@ std::uint32_t PlaceAges::windowsOf(const Cuboid& cuboid, const IntegrationMap& m
 }
 
 void PlaceAges::apply(const IntegrationMap& map, CuboidMap& snapshot) const {
+  if (beginnings_ != map.beginnings()) return;  // of these places nothing is known
   for (Cuboid& cuboid : snapshot.cuboids) cuboid.dyn = windowsOf(cuboid, map);
 }
 

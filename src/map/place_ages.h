@@ -27,7 +27,8 @@ class PlaceAges {
   /// Allocates all that it will ever use.
   explicit PlaceAges(const IntegrationMap& map);
 
-  /// Follows the map's newest scan. @param looks up to that scan.
+  /// Follows the map's newest scan: once each, when nobody waits for it any more. Where the map has
+  /// forgotten all since, so does this. @param looks up to that scan.
   void follow(const IntegrationMap& map, const LookImage& looks);
   /// Sets dyn of every cuboid in the map's snapshot.
   void apply(const IntegrationMap& map, CuboidMap& snapshot) const;
@@ -79,6 +80,7 @@ class PlaceAges {
   std::vector<Time> stamps_;         ///< of the newest scans, by serial
   std::vector<CellIndex> around_;    ///< the cell that is judged, and those beside it
   CellIndex next_ = 0;               ///< is judged next
+  std::uint32_t beginnings_ = 0;     ///< of the map that is known
   double due_ = 0.0;                 ///< so many cells have to be judged
 };
 

@@ -6,11 +6,12 @@
 
 namespace tccm {
 
-void TiltPeriod::Config::validate() const {
-  requireInRange("tilt_hysteresis_rad", hysteresis_rad, 1e-4, 1.0);
+void TiltPeriod::Config::describe(ParameterTable& table) {
+  table.add("tilt_hysteresis_rad", &hysteresis_rad, "rad", {1e-4, 1.0},
+            "the tilt has turned once it has come back by this");
 }
 
-TiltPeriod::TiltPeriod(const Config& config) : config_(config) { config_.validate(); }
+TiltPeriod::TiltPeriod(const Config& config) : config_(validated(config)) {}
 
 void TiltPeriod::Longest::add(Duration duration) {
   last_[count_ % last_.size()] = duration;

@@ -3,6 +3,7 @@
 #include <array>
 #include <optional>
 
+#include "config/parameter_table.h"
 #include "tccm_monitor/time.h"
 
 namespace tccm {
@@ -15,8 +16,7 @@ class TiltPeriod {
   struct Config {
     double hysteresis_rad = 0.05;
 
-    /// @throws ConfigError
-    void validate() const;
+    void describe(ParameterTable& table);
   };
 
   /// @throws ConfigError

@@ -29,8 +29,8 @@ ros::Time stampAfter(const ros::Time& last) {
 
 }  // namespace
 
-Attachments::Attachments(ros::NodeHandle node, const CheckerSettings& settings, Checker& checker)
-    : settings_(settings), checker_(checker) {
+Attachments::Attachments(ros::NodeHandle node, const CheckerConfig& config, Checker& checker)
+    : config_(config), checker_(checker) {
   publisher_ = node.advertise<tccm_monitor::AttachedObjects>("attached_objects", 1, true);
   attach_service_ = node.advertiseService("attach_object", &Attachments::attach, this);
   detach_service_ = node.advertiseService("detach_object", &Attachments::detach, this);
@@ -45,18 +45,12 @@ bool Attachments::attach(tccm_monitor::AttachObject::Request& request,
   message.primitive = request.primitive;
   try {
     const AttachedObject object = fromMessage(message);
-    static_cast<void>(checker_.model().holding({object}));
+    static_cast<void>(checker_.model()->holding({object}));
     const ros::Time now = ros::Time::now();
-    const auto T_fixed_link =
-        now.isZero() ? std::nullopt : checker_.linkPose(toTime(now), object.link);
-    if (!T_fixed_link) {
-      throw ConfigError("link '" + object.link +
-                        "' cannot be placed: joints or transforms are "
-                        "missing or too old");
-    }
-    message.attached_at = tf2::toMsg(Pose(*T_fixed_link * object.primitive.pose));
-    message.forget_padding = settings_.attach_forget_padding_m;
-    message.forget_until = now + ros::Duration(settings_.attach_forget_s);
+    if (now.isZero()) throw ConfigError("simulated time has not begun");
+    message.attached_at = tf2::toMsg(checker_.placeOf(toTime(now), object).pose);
+    message.forget_padding = config_.attach_forget_padding_m;
+    message.forget_until = now + ros::Duration(config_.attach_forget_s);
   } catch (const ConfigError& error) {
     response.message = error.what();
     return true;
@@ -113,7 +107,7 @@ void Attachments::timeJumpedBack() {
 }
 
 void Attachments::publish() {
-  list_.header.frame_id = withoutSlash(settings_.fixed_frame);
+  list_.header.frame_id = withoutSlash(config_.fixed_frame);
   list_.header.stamp = stampAfter(list_.header.stamp);
   publisher_.publish(list_);
 }

@@ -8,8 +8,8 @@
 #include <set>
 #include <string>
 
-#include "check/checker.h"
-#include "ros/settings.h"
+#include "check/checker_config.h"
+#include "monitor_config.h"
 
 namespace tccm {
 
@@ -18,7 +18,7 @@ namespace tccm {
 /// let go of what was seen of it; were it earlier, the object would touch its own old cuboids.
 class Attachments {
  public:
-  Attachments(ros::NodeHandle node, const CheckerSettings& settings, Checker& checker);
+  Attachments(ros::NodeHandle node, const CheckerConfig& config, Checker& checker);
 
   /// A map came in. @param took stamp of the list that it takes into account.
   /// @param since the oldest scan in it.
@@ -40,7 +40,7 @@ class Attachments {
   void publish();
   void settle();
 
-  const CheckerSettings& settings_;
+  const CheckerConfig& config_;
   Checker& checker_;
   tccm_monitor::AttachedObjects list_;
   std::set<std::string> pending_;  ///< names that the checker does not count as in the list yet

@@ -31,19 +31,11 @@ std::uint8_t resultOf(Reason reason) {
 
 /// What both questions are answered with.
 template <typename Response>
-void answer(Reason reason, const std::string& detail, const std::string& link, Response& response) {
-  response.result = resultOf<Response>(reason);
-  response.reason = reason == Reason::kClear ? "FREE" : name(reason);
-  response.detail = detail;
-  response.link = link;
-}
-
-template <typename Response>
-void stampMap(const Checker& checker, Time now, Response& response) {
-  const CuboidMap* map = checker.map();
-  if (!map) return;
-  response.map_stamp = toRos(map->stamp);
-  response.map_age = toRos(now - map->stamp);
+void answer(const Cause& cause, Response& response) {
+  response.result = resultOf<Response>(cause.reason);
+  response.reason = cause.reason == Reason::kClear ? "FREE" : name(cause.reason);
+  response.detail = cause.detail;
+  response.link = cause.link;
 }
 
 }  // namespace
@@ -57,44 +49,45 @@ CheckerServices::CheckerServices(ros::NodeHandle node, Checker& checker,
   reset_ = node.advertiseService("reset", &CheckerServices::reset, this);
 }
 
-bool CheckerServices::checkState(tccm_monitor::CheckState::Request& request,
-                                 tccm_monitor::CheckState::Response& response) {
-  if (ros::Time::now().isZero()) {
-    answer(Reason::kInit, kNoTimeYet, {}, response);
+template <typename Response, typename Ask>
+bool CheckerServices::respond(Response& response, Ask&& ask) {
+  const ros::Time now = ros::Time::now();
+  if (now.isZero()) {
+    answer({Reason::kInit, kNoTimeYet}, response);
     return true;
   }
-  const Time now = toTime(ros::Time::now());
   prepare_();
-  const Checker::StateAnswer found =
-      checker_.checkState(now, request.state.name, request.state.position);
-  answer(found.reason, found.detail, found.link, response);
-  stampMap(checker_, now, response);
+  answer(ask(toTime(now)), response);
+  if (const CuboidMap* map = checker_.map()) {
+    response.map_stamp = toRos(map->stamp);
+    response.map_age = toRos(toTime(now) - map->stamp);
+  }
   return true;
+}
+
+bool CheckerServices::checkState(tccm_monitor::CheckState::Request& request,
+                                 tccm_monitor::CheckState::Response& response) {
+  return respond(response, [&](Time now) {
+    return checker_.checkState(now, request.state.name, request.state.position).cause;
+  });
 }
 
 bool CheckerServices::checkTrajectory(tccm_monitor::CheckTrajectory::Request& request,
                                       tccm_monitor::CheckTrajectory::Response& response) {
   response.index = -1;
-  if (ros::Time::now().isZero()) {
-    answer(Reason::kInit, kNoTimeYet, {}, response);
-    return true;
-  }
-  const Time now = toTime(ros::Time::now());
-  prepare_();
-  const TrajectoryCheck::Answer found =
-      checker_.checkTrajectory(now, fromMessage(request.trajectory));
-  answer(found.cause.reason, found.cause.detail, found.cause.link, response);
-  if (found.index) response.index = static_cast<std::int32_t>(*found.index);
-  response.time_from_start = found.time_s;
-  if (found.contact) {
-    response.cuboid =
-        toFlag(*checker_.map(), found.contact->cuboid, tccm_monitor::Cuboid::COLLISION);
-  }
-  for (const double clearance_m : found.clearances_m) {
-    response.clearance.push_back(static_cast<float>(clearance_m));
-  }
-  stampMap(checker_, now, response);
-  return true;
+  return respond(response, [&](Time now) {
+    const TrajectoryAnswer found = checker_.checkTrajectory(now, fromMessage(request.trajectory));
+    if (found.index) response.index = static_cast<std::int32_t>(*found.index);
+    response.time_from_start = found.time_s;
+    if (found.contact) {
+      response.cuboid =
+          toFlag(*checker_.map(), found.contact->cuboid, tccm_monitor::Cuboid::COLLISION);
+    }
+    for (const double clearance_m : found.clearances_m) {
+      response.clearance.push_back(static_cast<float>(clearance_m));
+    }
+    return found.cause;
+  });
 }
 
 bool CheckerServices::addExemption(tccm_monitor::AddExemption::Request& request,

@@ -8,7 +8,7 @@
 
 #include <functional>
 
-#include "check/checker.h"
+#include "check/checker_config.h"
 
 namespace tccm {
 
@@ -20,6 +20,9 @@ class CheckerServices {
   CheckerServices(ros::NodeHandle node, Checker& checker, std::function<void()> prepare);
 
  private:
+  /// @param ask (Time now) -> Cause; what is asked only where time has begun.
+  template <typename Response, typename Ask>
+  bool respond(Response& response, Ask&& ask);
   bool checkState(tccm_monitor::CheckState::Request& request,
                   tccm_monitor::CheckState::Response& response);
   bool checkTrajectory(tccm_monitor::CheckTrajectory::Request& request,

@@ -8,11 +8,10 @@
 
 #include "base/stopwatch.h"
 #include "nodelets/markers.h"
-#include "nodelets/refusal.h"
 #include "nodelets/status_conversions.h"
 #include "ros/conversions.h"
 #include "ros/robot_description.h"
-#include "tccm_monitor/config_error.h"
+#include "ros/server_config.h"
 
 namespace tccm {
 namespace {
@@ -32,29 +31,52 @@ ScanReport fromMessage(const tccm_monitor::ScanReport& message) {
 
 }  // namespace
 
-void CollisionChecker::onInit() {
-  startOrRefuse(getName(), [this] { setUp(); });
-}
-
 void CollisionChecker::setUp() {
   ros::NodeHandle& node = getNodeHandle();
-  settings_ = readFromServer(getPrivateNodeHandle(), readCheckerSettings);
-  checker_ = std::make_unique<Checker>(sharedRobotModel(node), settings_.checker);
+  config_ = configFrom<CheckerConfig>(getPrivateNodeHandle());
+  config_.checker.inputs.fixed_frame = config_.fixed_frame;
+  checker_ = std::make_unique<Checker>(sharedRobotModel(node), config_.checker);
   NODELET_INFO("Self-test passed: a cuboid in any of %zu primitives is found.",
-               checker_->poseCheckNow().collisionShapes().size());
-  attachments_ = std::make_unique<Attachments>(node, settings_, *checker_);
+               checker_->checkHere().collisionBody().shapes.size());
+  attachments_ = std::make_unique<Attachments>(node, config_, *checker_);
   services_ = std::make_unique<CheckerServices>(
       node, *checker_, [this] { checker_->setOutsideCause(outsideCause()); });
   for (auto& map : maps_) map = std::make_shared<CuboidMap>();
   becomeFault(Reason::kInit, "nothing was checked yet");
-  const ros::Duration valid_for(settings_.permission_valid_periods / settings_.publish_rate_hz);
-  permission_ = std::make_unique<PermissionPublisher>(node, settings_.fixed_frame, valid_for);
+  advertise();
+  subscribe();
+  tuning_ = std::make_unique<Tuning>(getPrivateNodeHandle(), getName(), config_, *checker_);
+  publish_timer_ = timer(1.0 / config_.publish_rate_hz, [this] {
+    checker_->inputs().setClockStalls(clockStalls());
+    attachments_->hurry();
+    check();
+    publish();
+  });
+  picture_timer_ = timer(1.0 / config_.marker_rate_hz, [this] { publishPictures(); });
+}
+
+void CollisionChecker::advertise() {
+  ros::NodeHandle& node = getNodeHandle();
+  const ros::Duration valid_for(config_.permission_valid_periods / config_.publish_rate_hz);
+  permission_ = std::make_unique<PermissionPublisher>(node, config_.fixed_frame, valid_for);
   status_publisher_ = node.advertise<tccm_monitor::MonitorStatus>("monitor_status", 10);
   marker_publisher_ = node.advertise<visualization_msgs::MarkerArray>("robot_markers", 2);
   image_publisher_ = node.advertise<sensor_msgs::Image>("occlusion_image", 2);
-  setUpDiagnostics();
+  checked_map_publisher_ = node.advertise<tccm_monitor::CuboidMap>("checked_map", 2);
+  const CheckInputs::Config& limits = config_.checker.inputs;
+  const auto watch = [&](const std::string& topic, double age_max_s) {
+    return std::make_unique<InputDiagnostics>(diagnostics(), topic, 1.0 / age_max_s, age_max_s,
+                                              limits.future_max_s);
+  };
+  joints_rate_ = watch("joint_states", limits.joint_timeout_s);
+  scan_rate_ = watch("scan", limits.map_age_max_s);
+  map_rate_ = watch("cuboid_map", limits.map_age_max_s);
+}
+
+void CollisionChecker::subscribe() {
+  ros::NodeHandle& node = getNodeHandle();
   transforms_ = std::make_unique<TransformListener>(
-      node, fromSeconds(settings_.checker.inputs.transform_timeout_s),
+      node, fromSeconds(config_.checker.inputs.transform_timeout_s),
       [this] { receiveTransforms(); });
   const auto hints = ros::TransportHints().tcpNoDelay();
   map_subscriber_ = node.subscribe("cuboid_map", 10, &CollisionChecker::receiveMap, this, hints);
@@ -64,44 +86,15 @@ void CollisionChecker::setUp() {
       node.subscribe("joint_states", 200, &CollisionChecker::receiveJoints, this, hints);
   trajectory_subscriber_ =
       node.subscribe("trajectory", 20, &CollisionChecker::receiveTrajectory, this, hints);
-  tuning_ = std::make_unique<Tuning>(getPrivateNodeHandle(), getName(), settings_, *checker_);
-  publish_timer_ = node.createWallTimer(ros::WallDuration(1.0 / settings_.publish_rate_hz),
-                                        [this](const ros::WallTimerEvent&) {
-                                          checker_->inputs().setClockStalls(clockStalls());
-                                          attachments_->hurry();
-                                          check();
-                                          publish();
-                                        });
-  picture_timer_ = node.createWallTimer(ros::WallDuration(1.0 / settings_.marker_rate_hz),
-                                        [this](const ros::WallTimerEvent&) { publishPictures(); });
-}
-
-void CollisionChecker::setUpDiagnostics() {
-  ros::NodeHandle& node = getNodeHandle();
-  diagnostics_ =
-      std::make_unique<diagnostic_updater::Updater>(node, getPrivateNodeHandle(), getName());
-  diagnostics_->setHardwareID("none");
-  diagnostics_->add("verdict", this, &CollisionChecker::diagnose);
-  const CheckInputs::Config& limits = settings_.checker.inputs;
-  joints_rate_ = std::make_unique<InputDiagnostics>(*diagnostics_, "joint_states",
-                                                    1.0 / limits.joint_timeout_s,
-                                                    limits.joint_timeout_s, limits.future_max_s);
-  scan_rate_ = std::make_unique<InputDiagnostics>(*diagnostics_, "scan", 1.0 / limits.map_age_max_s,
-                                                  limits.map_age_max_s, limits.future_max_s);
-  map_rate_ =
-      std::make_unique<InputDiagnostics>(*diagnostics_, "cuboid_map", 1.0 / limits.map_age_max_s,
-                                         limits.map_age_max_s, limits.future_max_s);
-  diagnostics_timer_ = node.createWallTimer(
-      ros::WallDuration(0.5), [this](const ros::WallTimerEvent&) { diagnostics_->update(); });
 }
 
 void CollisionChecker::receiveMap(const tccm_monitor::CuboidMap::ConstPtr& message) {
   newest_map_ = 1 - newest_map_;
   map_defect_ = tccm::fromMessage(*message, *maps_[newest_map_]);
   if (map_defect_.empty() &&
-      withoutSlash(message->header.frame_id) != withoutSlash(settings_.fixed_frame)) {
+      withoutSlash(message->header.frame_id) != withoutSlash(config_.fixed_frame)) {
     map_defect_ = "its frame is '" + message->header.frame_id + "', fixed_frame is '" +
-                  settings_.fixed_frame + "'";
+                  config_.fixed_frame + "'";
   }
   if (!map_defect_.empty()) {
     newest_map_ = 1 - newest_map_;
@@ -109,6 +102,7 @@ void CollisionChecker::receiveMap(const tccm_monitor::CuboidMap::ConstPtr& messa
     NODELET_ERROR_THROTTLE(5.0, "A cuboid_map was dropped: %s.", map_defect_.c_str());
     return;
   }
+  map_message_ = message;
   map_rate_->tick(message->header.stamp);
   checker_->setMap(toTime(ros::Time::now()), maps_[newest_map_]);
   attachments_->mapCame(message->attached_stamp,
@@ -123,7 +117,7 @@ void CollisionChecker::receiveReport(const tccm_monitor::ScanReport::ConstPtr& m
   if (report.outcome == ScanReport::Outcome::kWaiting) scan_rate_->tick(message->header.stamp);
   if (report.outcome == ScanReport::Outcome::kDropped) ++scans_dropped_[report.dropped];
   if (report.outcome == ScanReport::Outcome::kAssembled) assembled_ = *message;
-  checker_->inputs().addScanReport(toTime(ros::Time::now()), report);
+  checker_->addScanReport(toTime(ros::Time::now()), report);
 }
 
 void CollisionChecker::receiveJoints(const sensor_msgs::JointState::ConstPtr& message) {
@@ -145,9 +139,9 @@ void CollisionChecker::receiveTrajectory(
 
 void CollisionChecker::receiveTransforms() {
   if (!checker_ || !transforms_) return;
-  const RobotModel& model = checker_->model();
+  const RobotModel& model = *checker_->model();
   for (std::size_t i = 0; i < model.roots().size(); ++i) {
-    const auto root = transforms_->history().newest(withoutSlash(settings_.fixed_frame),
+    const auto root = transforms_->history().newest(withoutSlash(config_.fixed_frame),
                                                     model.links()[model.roots()[i]]);
     if (root) checker_->setRootPose(i, root->stamp, root->pose, root->is_static);
   }
@@ -155,9 +149,9 @@ void CollisionChecker::receiveTransforms() {
 
 void CollisionChecker::placeRootsInFixedFrame() {
   // Where fixed frame and a root are one, no transform has to be heard.
-  const RobotModel& model = checker_->model();
+  const RobotModel& model = *checker_->model();
   for (std::size_t i = 0; i < model.roots().size(); ++i) {
-    if (model.links()[model.roots()[i]] != withoutSlash(settings_.fixed_frame)) continue;
+    if (model.links()[model.roots()[i]] != withoutSlash(config_.fixed_frame)) continue;
     checker_->setRootPose(i, Time(), Pose::Identity(), true);
   }
 }
@@ -174,7 +168,7 @@ void CollisionChecker::becomeFault(Reason reason, const std::string& detail) {
 Cause CollisionChecker::outsideCause() const {
   Cause cause;
   if (const char* unknown = attachments_->unknown()) cause = {Reason::kInit, unknown};
-  const double limit_us = 1e6 * settings_.check_time_max_periods / settings_.publish_rate_hz;
+  const double limit_us = 1e6 * config_.check_time_max_periods / config_.publish_rate_hz;
   if (check_us_ > limit_us) {
     cause = {Reason::kCheckLate,
              "the last check took " + std::to_string(static_cast<long>(check_us_)) +
@@ -195,7 +189,7 @@ void CollisionChecker::check() {
 }
 
 void CollisionChecker::checkNow(const ros::Time& now) {
-  if (now + ros::Duration(settings_.checker.inputs.future_max_s) < checked_) {
+  if (now + ros::Duration(config_.checker.inputs.future_max_s) < checked_) {
     attachments_->timeJumpedBack();
   }
   checked_ = now;
@@ -276,7 +270,7 @@ void CollisionChecker::publish() {
   publishPermission();
   tccm_monitor::MonitorStatus status;
   toMessage(*verdict_, *checker_, status);
-  status.header.frame_id = withoutSlash(settings_.fixed_frame);
+  status.header.frame_id = withoutSlash(config_.fixed_frame);
   status.scan_to_verdict_s = static_cast<float>(latencies_.scan_to_verdict_s);
   status.transform_wait_s = static_cast<float>(latencies_.transform_wait_s);
   status.ready_to_verdict_s = static_cast<float>(latencies_.ready_to_verdict_s);
@@ -286,18 +280,39 @@ void CollisionChecker::publish() {
 
 void CollisionChecker::publishPictures() {
   if (verdict_ == &fault_) return;
+  publishCheckedMap();
   if (marker_publisher_.getNumSubscribers() > 0) {
     visualization_msgs::MarkerArray markers;
-    toMarkers(*verdict_, *checker_, withoutSlash(settings_.fixed_frame), markers);
+    toMarkers(*verdict_, *checker_, withoutSlash(config_.fixed_frame), markers);
     marker_publisher_.publish(markers);
   }
   if (image_publisher_.getNumSubscribers() > 0 && verdict_->placed) {
     sensor_msgs::Image image;
-    toImage(checker_->poseCheckNow().occlusion().picture(), image);
+    toImage(checker_->checkHere().occlusion().picture(), image);
     image.header.stamp = toRos(verdict_->stamp);
-    image.header.frame_id = withoutSlash(settings_.fixed_frame);
+    image.header.frame_id = withoutSlash(config_.fixed_frame);
     image_publisher_.publish(image);
   }
+}
+
+void CollisionChecker::publishCheckedMap() {
+  if (checked_map_publisher_.getNumSubscribers() == 0 || !map_message_ || !verdict_->placed) return;
+  tccm_monitor::CuboidMap map = *map_message_;
+  for (const PoseFindings* found : {&verdict_->ahead, &verdict_->now}) {
+    for (const std::uint32_t cuboid : found->occluding_cuboids) {
+      map.cuboids[cuboid].col = tccm_monitor::Cuboid::OCCLUSION;
+    }
+  }
+  // Of both, collision is the graver.
+  for (const PoseFindings* found : {&verdict_->ahead, &verdict_->now}) {
+    for (const Contact& contact : found->contacts) {
+      map.cuboids[contact.cuboid].col = tccm_monitor::Cuboid::COLLISION;
+    }
+  }
+  if (verdict_->first_contact && !verdict_->first_contact->by_margin) {
+    map.cuboids[verdict_->first_contact->contact.cuboid].col = tccm_monitor::Cuboid::COLLISION;
+  }
+  checked_map_publisher_.publish(map);
 }
 
 void CollisionChecker::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
@@ -328,7 +343,7 @@ void CollisionChecker::diagnose(diagnostic_updater::DiagnosticStatusWrapper& sta
   status.add("cuboid_maps dropped", maps_dropped_);
   if (!map_defect_.empty()) status.add("last cuboid_map dropped", map_defect_);
   for (const auto& [reason, count] : scans_dropped_) status.add("scans dropped: " + reason, count);
-  status.add("exemptions", checker_->exemptions().list().size());
+  status.add("exemptions", checker_->exemptions().size());
 }
 
 void CollisionChecker::diagnoseEvidence(diagnostic_updater::DiagnosticStatusWrapper& status) const {
@@ -341,7 +356,7 @@ void CollisionChecker::diagnoseEvidence(diagnostic_updater::DiagnosticStatusWrap
     status.add("oldest evidence [s]", "nothing was seen of the ways");
   } else {
     status.add("oldest evidence [s]", *oldest->age_s);
-    status.add("oldest evidence, of", checker_->model().links()[oldest->link]);
+    status.add("oldest evidence, of", checker_->model()->links()[oldest->link]);
   }
 }
 

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <diagnostic_updater/diagnostic_updater.h>
-#include <nodelet/nodelet.h>
-#include <ros/ros.h>
 #include <sensor_msgs/JointState.h>
 #include <tccm_monitor/CuboidMap.h>
 #include <tccm_monitor/MonitorStatus.h>
@@ -15,21 +12,23 @@
 #include <memory>
 #include <string>
 
-#include "check/checker.h"
 #include "nodelets/attachments.h"
 #include "nodelets/checker_services.h"
+#include "nodelets/diagnosed_nodelet.h"
 #include "nodelets/input_diagnostics.h"
 #include "nodelets/permission_publisher.h"
 #include "nodelets/tuning.h"
-#include "ros/settings.h"
 #include "ros/transform_listener.h"
 
 namespace tccm {
 
 /// Nodelet: `cuboid_map`, `scan_report`, `joint_states`, `trajectory` and tf in;
 /// `motion_permission`, flags and `monitor_status` out, from a timer whatever comes in, and at once
-/// with each new map and when it gets worse. All its callbacks run one after the other.
-class CollisionChecker : public nodelet::Nodelet {
+/// with each new map and when it gets worse.
+class CollisionChecker : public DiagnosedNodelet {
+ public:
+  CollisionChecker() : DiagnosedNodelet("verdict") {}
+
  private:
   /// How long scans take; NaN where that is not known.
   struct Latencies {
@@ -40,9 +39,9 @@ class CollisionChecker : public nodelet::Nodelet {
     double longest_s = 0.0;                ///< of the last, forgotten slowly
   };
 
-  void onInit() override;
-  void setUp();
-  void setUpDiagnostics();
+  void setUp() override;
+  void advertise();
+  void subscribe();
   void receiveMap(const tccm_monitor::CuboidMap::ConstPtr& message);
   void receiveReport(const tccm_monitor::ScanReport::ConstPtr& message);
   void receiveJoints(const sensor_msgs::JointState::ConstPtr& message);
@@ -59,14 +58,16 @@ class CollisionChecker : public nodelet::Nodelet {
   void publishPermission();
   void publish();
   void publishPictures();
+  /// The map of the last check, with col as it found it.
+  void publishCheckedMap();
   /// Whether simulated time stands still, so that nothing can grow old by it.
   [[nodiscard]] bool clockStalls();
   void tellChange(const Verdict& verdict);
   void tellOnce();
-  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) override;
   void diagnoseEvidence(diagnostic_updater::DiagnosticStatusWrapper& status) const;
 
-  CheckerSettings settings_;
+  CheckerConfig config_;
   std::unique_ptr<Checker> checker_;
   std::unique_ptr<Attachments> attachments_;
   std::unique_ptr<CheckerServices> services_;
@@ -77,14 +78,14 @@ class CollisionChecker : public nodelet::Nodelet {
   const Verdict* verdict_ = &fault_;  ///< the last
   std::array<std::shared_ptr<CuboidMap>, 2> maps_;
   std::size_t newest_map_ = 0;
+  tccm_monitor::CuboidMap::ConstPtr map_message_;  ///< of the newest map
   std::size_t maps_dropped_ = 0;
   std::string map_defect_;
   tccm_monitor::ScanReport assembled_;  ///< the newest report of a scan that was assembled
   std::map<std::string, std::size_t> scans_dropped_;
-  ros::Publisher status_publisher_, marker_publisher_, image_publisher_;
+  ros::Publisher status_publisher_, marker_publisher_, image_publisher_, checked_map_publisher_;
   ros::Subscriber map_subscriber_, report_subscriber_, joints_subscriber_, trajectory_subscriber_;
-  ros::WallTimer publish_timer_, picture_timer_, diagnostics_timer_;
-  std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
+  ros::WallTimer publish_timer_, picture_timer_;
   std::unique_ptr<InputDiagnostics> map_rate_, joints_rate_, scan_rate_;
   std::uint32_t seen_serial_ = 0;
   Latencies latencies_;

@@ -29,11 +29,11 @@ ColorRGBA shaded(const ColorRGBA& c, float brightness) {
   return color(c.r * brightness, c.g * brightness, c.b * brightness, c.a);
 }
 
+ColorRGBA magenta(float alpha) { return color(1.0F, 0.0F, 0.8F, alpha); }
+ColorRGBA blue(float alpha) { return color(0.2F, 0.4F, 1.0F, alpha); }
+
 ColorRGBA colorOf(const tccm_monitor::Cuboid& cuboid, int static_windows) {
-  const float alpha = cuboid.held ? 0.55F : 1.0F;
-  if (cuboid.col == tccm_monitor::Cuboid::COLLISION) return color(1.0F, 0.0F, 0.8F, alpha);
-  if (cuboid.col == tccm_monitor::Cuboid::OCCLUSION) return color(0.2F, 0.4F, 1.0F, alpha);
-  if (cuboid.held) return color(0.6F, 0.5F, 0.75F, alpha);
+  if (cuboid.held) return color(0.6F, 0.5F, 0.75F, 0.55F);
   return cuboid.dyn >= static_cast<std::uint32_t>(static_windows) ? color(0.25F, 0.75F, 0.3F)
                                                                   : color(0.9F, 0.25F, 0.15F);
 }
@@ -60,18 +60,22 @@ constexpr std::array<Face, 6> kFaces{{{{4, 5, 7, 6}, 1.0F},
                                       {{2, 6, 7, 3}, 0.75F},
                                       {{0, 1, 5, 4}, 0.75F}}};
 
-void addCuboid(const tccm_monitor::CuboidMap& map, const tccm_monitor::Cuboid& cuboid,
-               const ColorRGBA& base, Marker& marker) {
+UprightBox boxOf(const tccm_monitor::CuboidMap& map, const tccm_monitor::Cuboid& cuboid) {
   const double x = map.origin_x + (cuboid.cell % map.cells_x) * map.cell_size;
   const double y = map.origin_y + (cuboid.cell / map.cells_x) * map.cell_size;
-  const double z = static_cast<double>(cuboid.top) - static_cast<double>(cuboid.depth);
+  const auto top = static_cast<double>(cuboid.top);
+  return {Vector3(x, y, top - static_cast<double>(cuboid.depth)),
+          Vector3(x + map.cell_size, y + map.cell_size, top)};
+}
+
+void addCuboid(const UprightBox& box, const ColorRGBA& base, Marker& marker) {
   for (const Face& face : kFaces) {
     const ColorRGBA c = shaded(base, face.brightness);
     for (const unsigned k : {0U, 1U, 2U, 0U, 2U, 3U}) {
       const unsigned corner = face.corners[k];
-      marker.points.push_back(point(x + ((corner & 1U) ? map.cell_size : 0.0),
-                                    y + ((corner & 2U) ? map.cell_size : 0.0),
-                                    (corner & 4U) ? static_cast<double>(cuboid.top) : z));
+      marker.points.push_back(point((corner & 1U ? box.max() : box.min()).x(),
+                                    (corner & 2U ? box.max() : box.min()).y(),
+                                    (corner & 4U ? box.max() : box.min()).z()));
       marker.colors.push_back(c);
     }
   }
@@ -117,22 +121,22 @@ class ShapeMarkers {
 
 ColorRGBA colorOf(std::size_t shape, const PoseFindings& findings, const Checker& checker,
                   float alpha) {
-  const std::size_t link = checker.model().shapes()[shape].link;
+  const std::size_t link = checker.model()->shapes()[shape].link;
   const bool touches = std::any_of(findings.contacts.begin(), findings.contacts.end(),
                                    [shape](const Contact& c) { return c.shape == shape; });
-  if (touches) return color(1.0F, 0.0F, 0.8F, alpha);
+  if (touches) return magenta(alpha);
   const bool hidden = std::any_of(
       findings.links.begin(), findings.links.end(), [&](const LinkVisibility& visibility) {
-        return visibility.link == link && checker.poseCheckNow().isOccluded(visibility);
+        return visibility.link == link && checker.checkHere().isOccluded(visibility);
       });
-  return hidden ? color(0.2F, 0.4F, 1.0F, alpha) : color(0.75F, 0.75F, 0.8F, alpha);
+  return hidden ? blue(alpha) : color(0.75F, 0.75F, 0.8F, alpha);
 }
 
 void addBody(const PoseFindings& findings, const PoseCheck& check, const Checker& checker,
              Marker prototype, float alpha, visualization_msgs::MarkerArray& markers) {
-  const Body& body = check.collisionBody();
+  const auto& [shapes, body] = check.collisionBody();
   for (std::size_t i = 0; i < body.shapes.size(); ++i) {
-    prototype.color = colorOf(check.collisionShape(i), findings, checker, alpha);
+    prototype.color = colorOf(shapes[i], findings, checker, alpha);
     std::visit(ShapeMarkers(prototype, body.poses[i], markers.markers), body.shapes[i]);
   }
 }
@@ -222,7 +226,29 @@ Marker contactOf(const WayContact& contact, const CuboidMap& map, Marker prototy
   prototype.scale.x = size.x();
   prototype.scale.y = size.y();
   prototype.scale.z = size.z();
-  prototype.color = contact.by_margin ? color(1.0F, 0.8F, 0.2F) : color(1.0F, 0.0F, 0.8F);
+  prototype.color = contact.by_margin ? color(1.0F, 0.8F, 0.2F) : magenta(1.0F);
+  return prototype;
+}
+
+/// The cuboids that links touch, or are hidden behind, at the present pose or at the end of the
+/// way.
+Marker flaggedOf(const Verdict& verdict, const CuboidMap& map, Marker prototype) {
+  constexpr double kOver = 0.0005;  // [m] so that they show over the map's own
+  prototype.ns = "flagged cuboids";
+  prototype.id = 0;
+  prototype.type = Marker::TRIANGLE_LIST;
+  prototype.scale.x = prototype.scale.y = prototype.scale.z = 1.0;
+  prototype.color = color(1.0F, 1.0F, 1.0F);
+  const auto add = [&](std::uint32_t cuboid, const ColorRGBA& base) {
+    UprightBox box = map.box(map.cuboids[cuboid]);
+    box.min().array() -= kOver;
+    box.max().array() += kOver;
+    addCuboid(box, base, prototype);
+  };
+  for (const PoseFindings* found : {&verdict.now, &verdict.ahead}) {
+    for (const Contact& contact : found->contacts) add(contact.cuboid, magenta(1.0F));
+    for (const std::uint32_t cuboid : found->occluding_cuboids) add(cuboid, blue(1.0F));
+  }
   return prototype;
 }
 
@@ -249,17 +275,17 @@ void addEvidenceAges(const Checker& checker, Marker prototype,
                      visualization_msgs::MarkerArray& markers) {
   const double too_old_s =
       checker.config().evidence.stop_periods * toSeconds(checker.map()->look_period);
-  const PoseCheck& check = checker.poseCheckNow();
+  const auto& [shapes, body] = checker.checkHere().collisionBody();
   prototype.ns = "evidence age";
   prototype.type = Marker::TEXT_VIEW_FACING;
   prototype.scale.z = 0.03;
   for (const LinkEvidence& link : checker.evidence().findings().links) {
-    const auto shape =
-        std::find_if(check.collisionShapes().begin(), check.collisionShapes().end(),
-                     [&](std::size_t s) { return checker.model().shapes()[s].link == link.link; });
-    if (shape == check.collisionShapes().end()) continue;
-    const auto index = static_cast<std::size_t>(shape - check.collisionShapes().begin());
-    const Vector3 p = check.collisionBody().poses[index].translation();
+    const auto shape = std::find_if(shapes.begin(), shapes.end(), [&](std::size_t s) {
+      return checker.model()->shapes()[s].link == link.link;
+    });
+    if (shape == shapes.end()) continue;
+    const auto index = static_cast<std::size_t>(shape - shapes.begin());
+    const Vector3 p = body.poses[index].translation();
     char text[16] = "?";
     if (link.age_s) std::snprintf(text, sizeof text, "%.1f s", *link.age_s);
     prototype.id = static_cast<int>(markers.markers.size());
@@ -285,7 +311,7 @@ void toMarker(const tccm_monitor::CuboidMap& map, CuboidLayer layer, int static_
   marker.colors.clear();
   for (const tccm_monitor::Cuboid& cuboid : map.cuboids) {
     if ((cuboid.held != 0) != held) continue;
-    addCuboid(map, cuboid, colorOf(cuboid, static_windows), marker);
+    addCuboid(boxOf(map, cuboid), colorOf(cuboid, static_windows), marker);
   }
   marker.action = marker.points.empty() ? Marker::DELETE : Marker::ADD;
 }
@@ -295,12 +321,14 @@ void toMarkers(const Verdict& verdict, const Checker& checker, const std::string
   Marker prototype = prototypeOf("now", frame, verdict.stamp);
   markers.markers.clear();
   if (verdict.placed) {
-    addBody(verdict.now, checker.poseCheckNow(), checker, prototype, 0.3F, markers);
+    addBody(verdict.now, checker.checkHere(), checker, prototype, 0.3F, markers);
     prototype.ns = "ahead";
-    addBody(verdict.ahead, checker.poseCheckAhead(), checker, prototype, 0.1F, markers);
+    addBody(verdict.ahead, checker.checkAhead(), checker, prototype, 0.1F, markers);
     prototype.ns = "occlusion";
-    addBody(checker.poseCheckNow().occlusionBody(), prototype, color(0.3F, 0.8F, 0.5F, 0.25F),
+    addBody(checker.checkHere().occlusionBody().body, prototype, color(0.3F, 0.8F, 0.5F, 0.25F),
             markers);
+    const Marker flagged = flaggedOf(verdict, *checker.map(), prototype);
+    if (!flagged.points.empty()) markers.markers.push_back(flagged);
     if (verdict.first_contact) {
       markers.markers.push_back(contactOf(*verdict.first_contact, *checker.map(), prototype));
     }
@@ -310,11 +338,11 @@ void toMarkers(const Verdict& verdict, const Checker& checker, const std::string
   }
   prototype.ns = "exemptions";
   prototype.color = color(0.2F, 0.9F, 0.9F, 0.3F);
-  for (const Exemption& exemption : checker.exemptions().list()) {
+  for (const Exemption& exemption : checker.exemptions()) {
     std::visit(ShapeMarkers(prototype, exemption.region.pose, markers.markers),
                exemption.region.shape);
   }
-  markers.markers.push_back(textOf(verdict, checker.model(), prototype));
+  markers.markers.push_back(textOf(verdict, *checker.model(), prototype));
 }
 
 void toMarkers(const BodySample& sample, const std::string& frame,

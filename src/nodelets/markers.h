@@ -7,7 +7,7 @@
 
 #include <string>
 
-#include "check/checker.h"
+#include "check/checker_config.h"
 
 namespace tccm {
 
@@ -17,14 +17,15 @@ enum class CuboidLayer {
 };
 
 /// A layer's cuboids as one TRIANGLE_LIST: static ones green, dynamic ones red (paper, Fig. 7),
-/// held ones violet, those in collision magenta, occluding ones blue; held ones translucent, in a
-/// namespace of their own. @param static_windows dyn from which on one is static.
+/// held ones violet and translucent, in a namespace of their own.
+/// @param static_windows dyn from which on one is static.
 void toMarker(const tccm_monitor::CuboidMap& map, CuboidLayer layer, int static_windows,
               visualization_msgs::Marker& marker);
 
 /// The primitives as checked for collision, now (solid) and ahead (pale): magenta where they touch
 /// the map, blue where hidden from the sensor, grey otherwise; those drawn for occlusion (green);
-/// the cuboid touched first on the way ahead (magenta; yellow where only the margin for speed
+/// the cuboids that they touch (magenta) or are hidden behind (blue); the one touched first on the
+/// way ahead (magenta; yellow where only the margin for speed
 /// touches it); places on the way ahead that were not seen (orange); at each link whose way is
 /// watched the age of what is known of it (green, and red when it is too old; "?" where nothing
 /// is); the regions of exemptions (cyan); and level, reason, speed, unseen share and clearance as

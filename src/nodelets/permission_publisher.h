@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "check/verdict.h"
+#include "tccm_monitor/verdict.h"
 
 namespace tccm {
 

@@ -32,13 +32,13 @@ LinkStatus& entryOf(const std::string& link, bool ahead, MonitorStatus& message)
 
 void addLinks(const PoseFindings& findings, bool ahead, const Checker& checker,
               MonitorStatus& message) {
-  const RobotModel& model = checker.model();
+  const RobotModel& model = *checker.model();
   for (const LinkVisibility& visibility : findings.links) {
     LinkStatus& entry = entryOf(model.links()[visibility.link], ahead, message);
     entry.visible_fraction = static_cast<float>(visibility.visible_fraction);
     entry.occluded_fraction = static_cast<float>(visibility.occluded_fraction);
     entry.unseen_fraction = static_cast<float>(visibility.unseen_fraction);
-    entry.occlusion = checker.poseCheckNow().isOccluded(visibility);
+    entry.occlusion = checker.checkHere().isOccluded(visibility);
   }
   for (const Contact& contact : findings.contacts) {
     entryOf(model.linkOf(contact.shape), ahead, message).collision = true;
@@ -76,7 +76,7 @@ void addFlags(const PoseFindings& findings, const CuboidMap& map, MonitorStatus&
 /// On the way ahead the first contact may be another one than those at its end.
 void addContactLink(const Verdict& verdict, const Checker& checker, MonitorStatus& message) {
   if (!verdict.first_contact || verdict.first_contact->by_margin || verdict.now.collision) return;
-  const std::string& name = checker.model().linkOf(verdict.first_contact->contact.shape);
+  const std::string& name = checker.model()->linkOf(verdict.first_contact->contact.shape);
   entryOf(name, true, message).collision = true;
 }
 
@@ -85,7 +85,7 @@ void addContact(const Verdict& verdict, const Checker& checker, MonitorStatus& m
   const WayContact& first = *verdict.first_contact;
   message.time_to_contact_s = first.time_s;
   message.distance_to_contact_m = first.distance_m;
-  message.contact_link = checker.model().linkOf(first.contact.shape);
+  message.contact_link = checker.model()->linkOf(first.contact.shape);
   message.contact_cuboid =
       toFlag(*checker.map(), first.contact.cuboid, tccm_monitor::Cuboid::COLLISION);
   if (!first.by_margin) message.flagged.push_back(message.contact_cuboid);
@@ -130,7 +130,7 @@ void toMessage(const Verdict& verdict, const Checker& checker,
   message.unseen_fraction =
       verdict.placed ? static_cast<float>(verdict.unseen_fraction) : kNotKnown;
   message.exemptions.clear();
-  for (const Exemption& exemption : checker.exemptions().list()) {
+  for (const Exemption& exemption : checker.exemptions()) {
     message.exemptions.emplace_back();
     message.exemptions.back().owner = exemption.owner;
     message.exemptions.back().link = exemption.link;
@@ -144,8 +144,8 @@ void toMessage(const Verdict& verdict, const Checker& checker,
   message.links.clear();
   message.flagged.clear();
   addLinks(verdict.now, false, checker, message);
-  addClearances(verdict.clearances, checker.model(), message);
-  if (verdict.placed) addEvidence(checker.evidence().findings(), checker.model(), message);
+  addClearances(verdict.clearances, *checker.model(), message);
+  if (verdict.placed) addEvidence(checker.evidence().findings(), *checker.model(), message);
   addLinks(verdict.ahead, true, checker, message);
   addContactLink(verdict, checker, message);
   message.time_to_contact_s = message.distance_to_contact_m =

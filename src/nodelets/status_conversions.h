@@ -4,7 +4,7 @@
 #include <tccm_monitor/MonitorStatus.h>
 #include <tccm_monitor/MotionPermission.h>
 
-#include "check/checker.h"
+#include "check/checker_config.h"
 
 namespace tccm {
 

@@ -1,23 +1,19 @@
 #include "nodelets/tccm_mapper.h"
 
-#include <algorithm>
 #include <pluginlib/class_list_macros.hpp>
 
 #include "nodelets/markers.h"
-#include "nodelets/refusal.h"
 #include "ros/conversions.h"
+#include "ros/server_config.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
 
-void TccmMapper::onInit() {
-  startOrRefuse(getName(), [this] { setUp(); });
-}
-
 void TccmMapper::setUp() {
   ros::NodeHandle& node = getNodeHandle();
-  settings_ = readFromServer(getPrivateNodeHandle(), readMapperSettings);
-  mapper_ = std::make_unique<Mapper>(settings_.mapper);
+  config_ = configFrom<MapperConfig>(getPrivateNodeHandle());
+  mapper_ = std::make_unique<Mapper>(config_.mapper);
+  ages_ = std::make_unique<PlaceAges>(mapper_->map());
   mapper_->reserve(snapshot_);
   map_publisher_ = node.advertise<tccm_monitor::CuboidMap>("cuboid_map", 10);
   marker_publisher_ = node.advertise<visualization_msgs::Marker>("cuboid_markers", 4);
@@ -25,16 +21,8 @@ void TccmMapper::setUp() {
   get_service_ = node.advertiseService("get_cuboid_map", &TccmMapper::getCuboidMap, this);
   cloud_subscriber_ = node.subscribe("scan_cloud", 20, &TccmMapper::receiveCloud, this,
                                      ros::TransportHints().tcpNoDelay());
-  status_subscriber_ = node.subscribe("monitor_status", 2, &TccmMapper::receiveStatus, this);
   attached_subscriber_ = node.subscribe("attached_objects", 5, &TccmMapper::receiveAttached, this);
-  marker_timer_ = node.createWallTimer(ros::WallDuration(1.0 / settings_.marker_rate_hz),
-                                       [this](const ros::WallTimerEvent&) { publishMarkers(); });
-  diagnostics_ =
-      std::make_unique<diagnostic_updater::Updater>(node, getPrivateNodeHandle(), getName());
-  diagnostics_->setHardwareID("none");
-  diagnostics_->add("map", this, &TccmMapper::diagnose);
-  diagnostics_timer_ = node.createWallTimer(
-      ros::WallDuration(0.5), [this](const ros::WallTimerEvent&) { diagnostics_->update(); });
+  marker_timer_ = timer(1.0 / config_.marker_rate_hz, [this] { publishMarkers(); });
 }
 
 void TccmMapper::receiveCloud(const sensor_msgs::PointCloud2::ConstPtr& message) {
@@ -50,7 +38,7 @@ void TccmMapper::receiveCloud(const sensor_msgs::PointCloud2::ConstPtr& message)
   added_.mapped += outcome.added.mapped;
   added_.out_of_area += outcome.added.out_of_area;
   publish();
-  mapper_->settle();
+  ages_->follow(mapper_->map(), mapper_->looks());
 }
 
 void TccmMapper::receiveAttached(const tccm_monitor::AttachedObjects::ConstPtr& message) {
@@ -85,36 +73,18 @@ void TccmMapper::drop(const std::string& reason) {
 
 void TccmMapper::publish() {
   mapper_->snapshot(snapshot_);
+  ages_->apply(mapper_->map(), snapshot_);
   const auto message = messages_.take();
   toMessage(snapshot_, frame_, *message);
   message->attached_stamp = attached_stamp_;
-  label(*message);
   newest_ = message;
   map_publisher_.publish(newest_);
-}
-
-void TccmMapper::receiveStatus(const tccm_monitor::MonitorStatus::ConstPtr& message) {
-  flags_ = message->flagged;
-  std::stable_sort(flags_.begin(), flags_.end(),
-                   [](const auto& a, const auto& b) { return a.cell < b.cell; });
-}
-
-void TccmMapper::label(tccm_monitor::CuboidMap& message) const {
-  auto flag = flags_.begin();
-  for (tccm_monitor::Cuboid& cuboid : message.cuboids) {
-    while (flag != flags_.end() && flag->cell < cuboid.cell) ++flag;
-    for (auto same = flag; same != flags_.end() && same->cell == cuboid.cell; ++same) {
-      const bool meets = same->bottom <= cuboid.top && cuboid.top - cuboid.depth <= same->top;
-      // Of both, collision is the graver.
-      if (meets && cuboid.col != tccm_monitor::Cuboid::COLLISION) cuboid.col = same->col;
-    }
-  }
 }
 
 void TccmMapper::publishMarkers() {
   if (!newest_ || marker_publisher_.getNumSubscribers() == 0) return;
   for (const CuboidLayer layer : {CuboidLayer::kLive, CuboidLayer::kHeld}) {
-    toMarker(*newest_, layer, settings_.static_windows, marker_);
+    toMarker(*newest_, layer, config_.static_windows, marker_);
     marker_publisher_.publish(marker_);
   }
 }
@@ -146,7 +116,7 @@ void TccmMapper::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   } else if (snapshot_.overflowed) {
     status.summary(DiagnosticStatus::ERROR,
                    "points are left out: raise window_returns_max or intervals_max");
-  } else if (!snapshot_.complete && mapper_->map().scans() == settings_.mapper.map.scans_max) {
+  } else if (!snapshot_.complete && mapper_->map().scans() == config_.mapper.map.scans_max) {
     status.summary(DiagnosticStatus::ERROR, "window_scans_max is too small for the window");
   } else if (snapshot_.tilt_stopped) {
     status.summary(DiagnosticStatus::ERROR, "the tilt stands still, or does not go as far");
@@ -165,7 +135,7 @@ void TccmMapper::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   const auto tilt = mapper_->tiltPeriod();
   status.add("tilt period [s]", tilt ? std::to_string(toSeconds(*tilt)) : "not measured yet");
   status.add("held intervals", mapper_->held());
-  status.add("memory [bytes]", mapper_->memoryBytes());
+  status.add("memory [bytes]", mapper_->memoryBytes() + ages_->memoryBytes());
 }
 
 }  // namespace tccm

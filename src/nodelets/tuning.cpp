@@ -1,5 +1,8 @@
 #include "nodelets/tuning.h"
 
+#include <dynamic_reconfigure/ConfigDescription.h>
+#include <dynamic_reconfigure/config_tools.h>
+
 #include <algorithm>
 
 #include "tccm_monitor/config_error.h"
@@ -7,82 +10,142 @@
 namespace tccm {
 namespace {
 
-Tuning::Values valuesOf(const CheckerSettings& settings, Tuning::Values values) {
-  const Checker::Config& config = settings.checker;
-  values.collision_padding_m = config.pose.collision_use.expansion.padding_m;
-  values.primitive_scale = config.pose.collision_use.expansion.scale;
-  values.horizon_s = config.way.horizon_s;
-  values.stop_time_s = config.way.stop_time_s;
-  values.reaction_time_s = config.way.reaction_time_s;
-  values.deceleration_mps2 = config.way.deceleration_mps2;
-  values.support_points = config.pose.collision.support_points;
-  values.check_occlusion = config.pose.check_occlusion;
-  values.occlusion_stops = config.occlusion_stops;
-  values.occlusion_hidden_fraction = config.pose.occlusion.hidden_fraction;
-  values.release_s = config.permission.release_s;
-  values.release_checks = config.permission.release_checks;
-  values.speed_scale_rise_per_s = config.permission.speed_scale_rise_per_s;
-  values.check_time_max_periods = settings.check_time_max_periods;
-  return values;
-}
+using dynamic_reconfigure::ConfigTools;
 
-Checker::Config configOf(const Tuning::Values& values, Checker::Config config) {
-  config.pose.collision_use.expansion.padding_m = values.collision_padding_m;
-  config.pose.collision_use.expansion.scale = values.primitive_scale;
-  config.way.horizon_s = values.horizon_s;
-  config.way.stop_time_s = values.stop_time_s;
-  config.way.reaction_time_s = values.reaction_time_s;
-  config.way.deceleration_mps2 = values.deceleration_mps2;
-  config.pose.collision.support_points = values.support_points;
-  config.pose.check_occlusion = values.check_occlusion;
-  config.occlusion_stops = values.occlusion_stops;
-  config.pose.occlusion.hidden_fraction = values.occlusion_hidden_fraction;
-  config.permission.release_s = values.release_s;
-  config.permission.release_checks = values.release_checks;
-  config.permission.speed_scale_rise_per_s = values.speed_scale_rise_per_s;
-  return config;
-}
-
-/// A slip of a slider must not take away what keeps a moving robot safe: no less than a floor,
-/// unless it was configured lower.
-void refuseUnsafe(const CheckerSettings& settings, const Checker::Config& wanted) {
-  const Checker::Config& now = settings.checker;
-  const double padding_now = now.pose.collision_use.expansion.padding_m;
-  requireInRange("collision_padding_m", wanted.pose.collision_use.expansion.padding_m,
-                 std::min(settings.tuning_padding_min_m, padding_now), 1.0);
-  requireInRange("stop_time_s", wanted.way.stop_time_s,
-                 std::min(settings.tuning_stop_time_min_s, now.way.stop_time_s), 10.0);
-  requireInRange("horizon_s", wanted.way.horizon_s,
-                 std::min(wanted.way.stop_time_s, now.way.horizon_s), 10.0);
-  if (now.pose.check_occlusion && !wanted.pose.check_occlusion) {
-    throw ConfigError("check_occlusion: cannot be switched off while the checker runs");
+std::vector<ParameterTable::Row> tunableRows(CheckerConfig& config) {
+  const ParameterTable table = tableOf(config);
+  std::vector<ParameterTable::Row> rows;
+  for (const ParameterTable::Row& row : table.rows()) {
+    if (row.tunable == Tunable::kYes) rows.push_back(row);
   }
+  return rows;
+}
+
+template <typename T>
+const char* typeName() {
+  if (std::is_same_v<T, bool>) return "bool";
+  return std::is_same_v<T, int> ? "int" : "double";
+}
+
+/// Calls visit with a reference to the row's value, which is a bool, an int or a double.
+template <typename Visit>
+void visitValue(const ParameterTable::Row& row, Visit&& visit) {
+  std::visit(
+      [&](auto* member) {
+        using T = std::remove_reference_t<decltype(*member)>;
+        if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, int> ||
+                      std::is_same_v<T, double>) {
+          visit(*member);
+        }
+      },
+      row.member);
+}
+
+dynamic_reconfigure::Config emptyMessage() {
+  dynamic_reconfigure::Config message;
+  message.groups.emplace_back();
+  message.groups.back().name = "Default";
+  message.groups.back().state = true;
+  return message;
+}
+
+dynamic_reconfigure::ConfigDescription describe() {
+  CheckerConfig defaults;
+  dynamic_reconfigure::ConfigDescription description;
+  description.min = description.max = emptyMessage();
+  description.dflt = toMessage(defaults);
+  description.groups.emplace_back();
+  description.groups.back().name = "Default";
+  for (const ParameterTable::Row& row : tunableRows(defaults)) {
+    dynamic_reconfigure::ParamDescription entry;
+    entry.name = row.key;
+    entry.description = row.meaning + (row.unit.empty() ? "" : " [" + row.unit + "]");
+    visitValue(row, [&](auto value) {
+      using T = decltype(value);
+      entry.type = typeName<T>();
+      const bool is_switch = std::is_same_v<T, bool>;
+      ConfigTools::appendParameter(description.min, row.key,
+                                   is_switch ? T{} : static_cast<T>(row.range.lowest));
+      ConfigTools::appendParameter(
+          description.max, row.key,
+          is_switch ? static_cast<T>(1) : static_cast<T>(row.range.highest));
+    });
+    description.groups.back().parameters.push_back(entry);
+  }
+  return description;
 }
 
 }  // namespace
 
-Tuning::Tuning(ros::NodeHandle private_node, const std::string& name, CheckerSettings& settings,
-               Checker& checker)
-    : name_(name), settings_(settings), checker_(checker) {
-  server_ = std::make_unique<dynamic_reconfigure::Server<Values>>(mutex_, private_node);
-  Values current;
-  server_->getConfigDefault(current);
-  server_->updateConfig(valuesOf(settings_, current));
-  server_->setCallback([this](Values& wanted, std::uint32_t /*level*/) { change(wanted); });
+dynamic_reconfigure::Config toMessage(CheckerConfig config) {
+  dynamic_reconfigure::Config message = emptyMessage();
+  for (const ParameterTable::Row& row : tunableRows(config)) {
+    visitValue(row, [&](auto value) { ConfigTools::appendParameter(message, row.key, value); });
+  }
+  return message;
 }
 
-void Tuning::change(Values& wanted) {
-  const Values now = valuesOf(settings_, wanted);
-  const Checker::Config config = configOf(wanted, settings_.checker);
-  try {
-    refuseUnsafe(settings_, config);
-    checker_.reconfigure(config);
-    settings_.checker = config;
-    settings_.check_time_max_periods = wanted.check_time_max_periods;
-  } catch (const ConfigError& error) {
-    ROS_ERROR("%s: refused: %s", name_.c_str(), error.what());
-    wanted = now;  // what is shown is what is in force
+CheckerConfig tuned(CheckerConfig config, const dynamic_reconfigure::Config& message) {
+  for (const ParameterTable::Row& row : tunableRows(config)) {
+    visitValue(row, [&](auto& value) {
+      using T = std::remove_reference_t<decltype(value)>;
+      if (!ConfigTools::getParameter(message, row.key, value)) return;
+      if constexpr (!std::is_same_v<T, bool>) {
+        value =
+            std::clamp(value, static_cast<T>(row.range.lowest), static_cast<T>(row.range.highest));
+      }
+    });
   }
+  return config;
+}
+
+void refuseUnsafe(const CheckerConfig& now, const CheckerConfig& wanted) {
+  const auto paddingOf = [](const CheckerConfig& config) {
+    return config.checker.pose.collision_use.expansion.padding_m;
+  };
+  const ContactJudge::Config &way_now = now.checker.way, &way = wanted.checker.way;
+  requireInRange("collision_padding_m", paddingOf(wanted),
+                 std::min(now.tuning_padding_min_m, paddingOf(now)), 1.0);
+  requireInRange("stop_time_s", way.stop_time_s,
+                 std::min(now.tuning_stop_time_min_s, way_now.stop_time_s), 10.0);
+  requireInRange("horizon_s", way.horizon_s, std::min(way.stop_time_s, way_now.horizon_s), 10.0);
+  if (now.checker.pose.check_occlusion && !wanted.checker.pose.check_occlusion) {
+    throw ConfigError("check_occlusion: cannot be switched off while the checker runs");
+  }
+}
+
+Tuning::Tuning(ros::NodeHandle private_node, const std::string& name, CheckerConfig& config,
+               Checker& checker)
+    : private_node_(private_node), name_(name), config_(config), checker_(checker) {
+  descriptions_ = private_node_.advertise<dynamic_reconfigure::ConfigDescription>(
+      "parameter_descriptions", 1, true);
+  updates_ = private_node_.advertise<dynamic_reconfigure::Config>("parameter_updates", 1, true);
+  descriptions_.publish(describe());
+  publish();
+  service_ = private_node_.advertiseService("set_parameters", &Tuning::change, this);
+}
+
+bool Tuning::change(dynamic_reconfigure::Reconfigure::Request& request,
+                    dynamic_reconfigure::Reconfigure::Response& response) {
+  try {
+    const CheckerConfig wanted = tuned(config_, request.config);
+    refuseUnsafe(config_, wanted);
+    static_cast<void>(validated(wanted));
+    checker_.reconfigure(wanted.checker);
+    config_ = wanted;
+  } catch (const std::exception& error) {
+    ROS_ERROR("%s: refused: %s", name_.c_str(), error.what());
+  }
+  publish();
+  response.config = toMessage(config_);  // what is shown is what is in force
+  return true;
+}
+
+void Tuning::publish() {
+  for (const ParameterTable::Row& row : tunableRows(config_)) {
+    visitValue(row, [&](auto value) { private_node_.setParam(row.key, value); });
+  }
+  updates_.publish(toMessage(config_));
 }
 
 }  // namespace tccm

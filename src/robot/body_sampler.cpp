@@ -14,17 +14,21 @@ constexpr double kGrowthMax = 0.05;
 
 }  // namespace
 
-void BodySampler::Config::validate() const {
-  joints.validate();
-  filtered.validate(kSelfFilterKeys);
-  requireInRange("self_filter_attached_padding_m", attached_padding_m, 0.0, 1.0);
-  requireInRange("self_filter_lateness_s", lateness_s, 0.0, 1.0);
-  requireInRange("body_sample_s", sample_s, 1e-4, 1.0);
+void BodySampler::Config::describe(ParameterTable& table) {
+  filtered.describe(table, kSelfFilterKeys);
+  table.add("self_filter_attached_padding_m", &attached_padding_m, "m", {0.0, 1.0},
+            "at least this for objects in the hand, whose shape and place are known less well");
+  table.add("self_filter_lateness_s", &lateness_s, "s", {0.0, 1.0},
+            "joint states may be so late: a primitive's padding grows by this times its speed, by "
+            "50 mm at most");
+  table.add("body_sample_s", &sample_s, "s", {1e-4, 1.0},
+            "how often the body is placed anew within a scan");
+  joints.describe(table);
 }
 
 BodySampler::BodySampler(std::shared_ptr<const RobotModel> model, const Config& config)
     : model_(std::move(model)),
-      config_((config.validate(), config)),
+      config_(validated(config)),
       joints_(*model_, config.joints),
       kinematics_(model_) {
   setModel(model_);

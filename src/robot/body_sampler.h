@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "config/parameter_table.h"
 #include "robot/joint_states.h"
 #include "robot/kinematics.h"
 #include "robot/link_use.h"
@@ -27,8 +28,9 @@ class BodySampler {
     /// Time between two samples. Half of it at a hand's speed is the error of its place.
     double sample_s = 0.004;
 
+    void describe(ParameterTable& table);
     /// @throws ConfigError
-    void validate() const;
+    void validate() const { filtered.validate(kSelfFilterKeys); }
   };
 
   /// @throws ConfigError

@@ -17,14 +17,16 @@ constexpr double kLargest = 1e6;  // [rad, m, 1/s]; beyond it is no joint's posi
 
 }  // namespace
 
-void JointStates::Config::validate() const {
-  requireInRange("joint_gap_max_s", gap_max_s, 1e-3, 10.0);
-  requireInRange("joint_velocity_baseline_s", velocity_baseline_s, 1e-3, 1.0);
-  requireInRange("joint_samples_max", static_cast<double>(samples_max), 2.0, 1e5);
+void JointStates::Config::describe(ParameterTable& table) {
+  table.add("joint_gap_max_s", &gap_max_s, "s", {1e-3, 10.0},
+            "joint positions are not interpolated across a longer gap");
+  table.add("joint_velocity_baseline_s", &velocity_baseline_s, "s", {1e-3, 1.0},
+            "positions so far apart are differentiated");
+  table.add("joint_samples_max", &samples_max, "", {2.0, 1e5}, "positions kept of each joint");
 }
 
 JointStates::JointStates(const RobotModel& model, const Config& config)
-    : config_((config.validate(), config)), fixed_(model.fixedJoints()) {
+    : config_(validated(config)), fixed_(model.fixedJoints()) {
   for (const JointVariable& variable : model.variables()) {
     index_[variable.name] = names_.size();
     turns_freely_.push_back(model.turnsFreely(names_.size()));

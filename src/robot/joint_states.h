@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "config/parameter_table.h"
 #include "robot/robot_model.h"
 #include "tccm_monitor/time.h"
 
@@ -30,8 +31,7 @@ class JointStates {
     double velocity_baseline_s = 0.03;  ///< positions this far apart are differentiated
     std::size_t samples_max = 512;      ///< kept of each joint
 
-    /// @throws ConfigError
-    void validate() const;
+    void describe(ParameterTable& table);
   };
 
   /// What a message brought.

@@ -6,19 +6,24 @@ namespace tccm {
 
 Kinematics::Kinematics(std::shared_ptr<const RobotModel> model)
     : model_(std::move(model)),
-      link_poses_(model_->links().size(), Pose::Identity()),
-      shape_poses_(model_->shapes().size(), Pose::Identity()) {}
+      posture_{std::vector<double>(model_->variables().size(), 0.0),
+               std::vector<Pose>(model_->roots().size(), Pose::Identity()),
+               std::vector<Pose>(model_->links().size(), Pose::Identity()),
+               std::vector<Pose>(model_->shapes().size(), Pose::Identity())} {}
 
-void Kinematics::update(const std::vector<double>& positions,
-                        const std::vector<Pose>& T_fixed_roots) {
+const Posture& Kinematics::update(const std::vector<double>& positions,
+                                  const std::vector<Pose>& T_fixed_roots) {
   assert(positions.size() == model_->variables().size());
   assert(T_fixed_roots.size() == model_->roots().size());
+  posture_.positions = positions;
+  posture_.T_fixed_roots = T_fixed_roots;
+  std::vector<Pose>& link_poses = posture_.T_fixed_links;
   for (std::size_t i = 0; i < T_fixed_roots.size(); ++i) {
-    link_poses_[model_->roots()[i]] = T_fixed_roots[i];
+    link_poses[model_->roots()[i]] = T_fixed_roots[i];
   }
   for (const RobotJoint& joint : model_->joints()) {
-    Pose& T_fixed_child = link_poses_[joint.child];
-    T_fixed_child = link_poses_[joint.parent] * joint.T_parent_joint;
+    Pose& T_fixed_child = link_poses[joint.child];
+    T_fixed_child = link_poses[joint.parent] * joint.T_parent_joint;
     if (joint.motion == RobotJoint::Motion::kFixed) continue;
     const double position = joint.multiplier * positions[joint.variable] + joint.offset;
     if (joint.motion == RobotJoint::Motion::kRotation) {
@@ -29,8 +34,9 @@ void Kinematics::update(const std::vector<double>& positions,
   }
   const auto& shapes = model_->shapes();
   for (std::size_t i = 0; i < shapes.size(); ++i) {
-    shape_poses_[i] = link_poses_[shapes[i].link] * shapes[i].T_link_shape;
+    posture_.T_fixed_shapes[i] = link_poses[shapes[i].link] * shapes[i].T_link_shape;
   }
+  return posture_;
 }
 
 }  // namespace tccm

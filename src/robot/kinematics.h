@@ -7,7 +7,15 @@
 
 namespace tccm {
 
-/// Forward kinematics of the whole tree. Keeps its results between calls, so each thread needs its
+/// A robot at one pose: computed once, and handed on to whoever asks.
+struct Posture {
+  std::vector<double> positions;     ///< [rad] or [m], one for each of the model's variables
+  std::vector<Pose> T_fixed_roots;   ///< one for each of the model's roots
+  std::vector<Pose> T_fixed_links;   ///< one for each of the model's links
+  std::vector<Pose> T_fixed_shapes;  ///< one for each of the model's shapes
+};
+
+/// Forward kinematics of the whole tree. Keeps its result between calls, so each thread needs its
 /// own.
 class Kinematics {
  public:
@@ -15,17 +23,17 @@ class Kinematics {
 
   /// @param positions [rad] or [m], one for each of the model's variables, in their order.
   /// @param T_fixed_roots one for each of the model's roots, in their order.
-  void update(const std::vector<double>& positions, const std::vector<Pose>& T_fixed_roots);
+  /// The result is valid until the next call.
+  const Posture& update(const std::vector<double>& positions,
+                        const std::vector<Pose>& T_fixed_roots);
 
-  /// T_fixed_link, one for each of the model's links.
-  [[nodiscard]] const std::vector<Pose>& linkPoses() const { return link_poses_; }
-  /// T_fixed_shape, one for each of the model's shapes.
-  [[nodiscard]] const std::vector<Pose>& shapePoses() const { return shape_poses_; }
+  [[nodiscard]] const Posture& posture() const { return posture_; }
+  [[nodiscard]] const std::vector<Pose>& linkPoses() const { return posture_.T_fixed_links; }
+  [[nodiscard]] const std::vector<Pose>& shapePoses() const { return posture_.T_fixed_shapes; }
 
  private:
   std::shared_ptr<const RobotModel> model_;
-  std::vector<Pose> link_poses_;
-  std::vector<Pose> shape_poses_;
+  Posture posture_;
 };
 
 }  // namespace tccm

@@ -3,23 +3,71 @@
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
+namespace {
+
+constexpr Range kScales{1.0, 3.0};
+constexpr Range kPaddings{0.0, 1.0};  // [m]
+
+}  // namespace
+
+const LinkUse::Keys kSelfFilterKeys{
+    "self_filter_links",
+    "self_filter_ignored_links",
+    "self_filter_scale",
+    "self_filter_padding_m",
+    "self_filter_exceptions",
+    "of the monitored links those to filter out; empty: all",
+    "points this near to the body are its own, and beams that pass it this near have met it: the "
+    "error of model and calibration"};
+const LinkUse::Keys kCollisionKeys{
+    "collision_links",
+    "collision_ignored_links",
+    "primitive_scale",
+    "collision_padding_m",
+    "collision_exceptions",
+    "of the monitored links those checked for collision; empty: all",
+    "and then grow by this on every side; not tuned below `tuning_padding_min_m`"};
+const LinkUse::Keys kOcclusionKeys{"occlusion_links",
+                                   "occlusion_ignored_links",
+                                   "occlusion_scale",
+                                   "occlusion_padding_m",
+                                   "occlusion_exceptions",
+                                   "of the monitored links those that must be seen; empty: all",
+                                   "and then grow by this on every side"};
+
+void LinkUse::Exception::describe(ParameterTable& table) {
+  table.add("links", &links, "whose growth is another");
+  table.add("scale", &scale, "", kScales, "in place of that of the rest");
+  table.add("padding_m", &padding_m, "m", kPaddings, "in place of that of the rest");
+}
+
+void LinkUse::describe(ParameterTable& table, const Keys& keys, Tunable growth) {
+  table.add(keys.links, &links, keys.links_meaning);
+  table.add(keys.ignored, &ignored, "taken out again");
+  table.add(keys.scale, &expansion.scale, "", kScales, "primitives' sizes are multiplied by this",
+            growth);
+  table.add(keys.padding, &expansion.padding_m, "m", kPaddings, keys.padding_meaning, growth);
+  table.addList(keys.exceptions, exceptions,
+                "for some links another growth, as `[{links: [hands], scale: 1.1, padding_m: "
+                "0.03}]`; the last that fits counts");
+}
 
 void LinkUse::validate(const Keys& keys) const {
-  const auto require = [](const std::string& scale_key, const std::string& padding_key,
-                          double scale, double padding_m) {
-    requireInRange(scale_key, scale, 1.0, 3.0);
-    requireInRange(padding_key, padding_m, 0.0, 1.0);
-  };
-  require(keys.scale, keys.padding, expansion.scale, expansion.padding_m);
-  for (const Exception& exception : exceptions) {
+  LinkUse copy = *this;
+  ParameterTable table;
+  copy.describe(table, keys);
+  table.requireRanges();
+  for (Exception exception : exceptions) {
     if (exception.links.empty()) throw ConfigError(keys.exceptions + ": links is missing or empty");
     if (!exception.scale && !exception.padding_m) {
       throw ConfigError(keys.exceptions + ": '" + exception.links.front() +
                         "' has neither scale nor padding_m");
     }
-    require(keys.exceptions + "/scale", keys.exceptions + "/padding_m",
-            exception.scale.value_or(expansion.scale),
-            exception.padding_m.value_or(expansion.padding_m));
+    try {
+      tableOf(exception).requireRanges();
+    } catch (const ConfigError& error) {
+      throw ConfigError(keys.exceptions + "/" + error.what());
+    }
   }
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "config/parameter_table.h"
 #include "geometry/shape.h"
 
 namespace tccm {
@@ -17,6 +18,8 @@ struct LinkUse {
     std::vector<std::string> links;
     std::optional<double> scale;
     std::optional<double> padding_m;
+
+    void describe(ParameterTable& table);
   };
 
   std::vector<std::string> links;    ///< empty: all
@@ -29,23 +32,19 @@ struct LinkUse {
   LinkUse() = default;
   explicit LinkUse(const Expansion& all) : expansion(all) {}
 
-  /// Names of the parameters, for messages.
+  /// How the parameters of one use are called, and what they mean for it.
   struct Keys {
     std::string links, ignored, scale, padding, exceptions;
+    std::string links_meaning = {}, padding_meaning = {};
   };
+  void describe(ParameterTable& table, const Keys& keys, Tunable growth = Tunable::kNo);
   /// @throws ConfigError
   void validate(const Keys& keys) const;
 };
 
-inline const LinkUse::Keys kSelfFilterKeys{"self_filter_links", "self_filter_ignored_links",
-                                           "self_filter_scale", "self_filter_padding_m",
-                                           "self_filter_exceptions"};
-inline const LinkUse::Keys kCollisionKeys{"collision_links", "collision_ignored_links",
-                                          "primitive_scale", "collision_padding_m",
-                                          "collision_exceptions"};
-inline const LinkUse::Keys kOcclusionKeys{"occlusion_links", "occlusion_ignored_links",
-                                          "occlusion_scale", "occlusion_padding_m",
-                                          "occlusion_exceptions"};
+extern const LinkUse::Keys kSelfFilterKeys;
+extern const LinkUse::Keys kCollisionKeys;
+extern const LinkUse::Keys kOcclusionKeys;
 
 /// The model's shapes that a use takes, with the growth of each.
 struct UsedShapes {

@@ -77,7 +77,25 @@ void write(std::ostream& out, const List& list) {
 
 }  // namespace
 
-void RobotModel::Config::validate() const { fit.validate(); }
+void RobotModel::Config::describe(ParameterTable& table) {
+  table.add("link_groups", &link_groups,
+            "names for lists of links, as `{arms: [l_*, r_*]}`, to be used in all other lists");
+  table.add("monitored_links", &monitored_links,
+            "links to filter out and to watch; empty: every link that has a shape; one that has "
+            "none is refused");
+  table.add("ignored_links", &ignored_links, "taken out again");
+  table.add("capsule_links", &capsule_links,
+            "links whose cylinders are to be capsules, with the cylinder as straight part");
+  table.add("visual_links", &visual_links,
+            "links whose visual geometry is taken in place of their collision elements");
+  table.add("fixed_joints", &fixed_joints,
+            "positions [rad or m] of joints that nobody publishes, as `{head_lock_joint: 0.0}`");
+  table.add("primitives_file", &primitives_file,
+            "path or URI of primitives in place of links' own shapes, as fit_primitives writes it");
+  table.add("apply_mesh_up_axis", &apply_mesh_up_axis,
+            "turns COLLADA meshes by the up axis they state; rviz and MoveIt do not");
+  fit.describe(table);
+}
 
 std::string RobotModel::Config::text() const {
   std::ostringstream out;
@@ -98,7 +116,7 @@ std::string RobotModel::Config::text() const {
 
 RobotModel::RobotModel(const std::string& urdf_text, const Config& config,
                        const RobotResources& resources) try {
-  config.validate();
+  static_cast<void>(validated(config));
   const urdf::ModelInterfaceSharedPtr urdf = readUrdf(urdf_text);
   name_ = urdf->getName();
   for (const auto& joint : urdf->joints_) all_joints_.insert(joint.first);

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "config/parameter_table.h"
 #include "fit/primitive_fit.h"
 #include "geometry/shape.h"
 #include "mesh/mesh_file.h"
@@ -102,8 +103,7 @@ class RobotModel {
     bool apply_mesh_up_axis = false;  ///< as MeshScaling::apply_up_axis
     PrimitiveFitConfig fit;
 
-    /// @throws ConfigError
-    void validate() const;
+    void describe(ParameterTable& table);
     /// All of it as text: equal where the configurations are.
     [[nodiscard]] std::string text() const;
   };

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "monitor.h"
+#include "scan/scan_stage.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {

@@ -6,9 +6,8 @@
 #include <map>
 #include <mutex>
 
-#include "nodelets/refusal.h"
 #include "ros/resources.h"
-#include "ros/settings.h"
+#include "ros/server_config.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
@@ -40,7 +39,8 @@ std::string readRobotDescription(const ros::NodeHandle& node) {
 std::shared_ptr<const RobotModel> sharedRobotModel(const ros::NodeHandle& node) {
   static std::mutex mutex;
   static std::map<std::string, std::weak_ptr<const RobotModel>> models;
-  const auto config = readFromServer(ros::NodeHandle(node, kRobotSection), readRobotSettings);
+  const auto config =
+      configFrom<RobotModel::Config>(ros::NodeHandle(node, MonitorConfig::kRobotSection));
   const std::string urdf = readRobotDescription(node);
   const std::lock_guard<std::mutex> lock(mutex);
   std::weak_ptr<const RobotModel>& known = models[config.text() + urdf];

@@ -13,15 +13,14 @@ using Status = TransformHistory::Status;
 
 }  // namespace
 
-ScanSource::ScanSource(const AssemblerSettings& settings,
-                       const std::vector<std::string>& root_frames,
+ScanSource::ScanSource(const AssemblerConfig& config, const std::vector<std::string>& root_frames,
                        const TransformHistory& transforms)
-    : fixed_frame_(withoutSlash(settings.fixed_frame)),
+    : fixed_frame_(withoutSlash(config.fixed_frame)),
       root_frames_(root_frames),
-      beams_max_(settings.assembler.scan_beams_max),
-      step_(fromSeconds(settings.transform_sample_s)),
-      wait_max_(fromSeconds(settings.transform_wait_max_s)),
-      future_max_(fromSeconds(settings.future_max_s)),
+      beams_max_(config.scan.assembler.scan_beams_max),
+      step_(fromSeconds(config.transform_sample_s)),
+      wait_max_(fromSeconds(config.transform_wait_max_s)),
+      future_max_(fromSeconds(config.scan.future_max_s)),
       transforms_(transforms) {
   ready_.T_fixed_roots.resize(root_frames_.size());
 }

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "geometry/pose.h"
+#include "monitor_config.h"
 #include "robot/joint_states.h"
-#include "ros/settings.h"
 #include "ros/transform_history.h"
 #include "scan/laser_scan.h"
 
@@ -23,7 +23,7 @@ class ScanSource {
  public:
   /// @param root_frames those of the robot that is filtered out, in its model's order; none where
   /// no robot is.
-  ScanSource(const AssemblerSettings& settings, const std::vector<std::string>& root_frames,
+  ScanSource(const AssemblerConfig& config, const std::vector<std::string>& root_frames,
              const TransformHistory& transforms);
 
   /// A scan with all that is needed to place its beams.

@@ -16,13 +16,18 @@ double squaredDistance(const Ray& ray, double length, const Vector3& p) {
 
 }  // namespace
 
-void BodyFilter::Config::validate() const {
-  requireInRange("self_filter_range_tolerance_m", range_tolerance_m, 0.0, 1.0);
-  requireInRange("self_filter_grazing_m", grazing_m, 0.0, 1.0);
-  requireInRange("self_filter_shadow_depth_m", shadow_depth_m, 0.0, 100.0);
+void BodyFilter::Config::describe(ParameterTable& table) {
+  table.add("self_filter_range_tolerance_m", &range_tolerance_m, "m", {0.0, 1.0},
+            "points on a beam that met the body are its own so far before and behind it: five "
+            "times the range noise");
+  table.add("self_filter_grazing_m", &grazing_m, "m", {0.0, 1.0},
+            "a beam passing the body nearer than this grazes it; every millimetre hides real "
+            "obstacles beside the hand");
+  table.add("self_filter_shadow_depth_m", &shadow_depth_m, "m", {0.0, 100.0},
+            "so far behind a grazed edge points count as false");
 }
 
-BodyFilter::BodyFilter(const Config& config) : config_(config) { config_.validate(); }
+BodyFilter::BodyFilter(const Config& config) : config_(validated(config)) {}
 
 void BodyFilter::apply(const std::vector<BodySample>& samples, AssembledScan& scan) const {
   if (samples.empty()) return;

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "config/parameter_table.h"
 #include "geometry/ray.h"
 #include "geometry/shape.h"
 #include "scan/assembled_scan.h"
@@ -24,8 +25,7 @@ class BodyFilter {
     /// scene.
     double shadow_depth_m = 0.3;
 
-    /// @throws ConfigError
-    void validate() const;
+    void describe(ParameterTable& table);
   };
 
   /// @throws ConfigError

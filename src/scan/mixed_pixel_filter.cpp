@@ -4,11 +4,13 @@
 
 namespace tccm {
 
-void MixedPixelFilter::Config::validate() const {
-  requireInRange("mixed_pixel_separation_m", separation_m, 0.0, 10.0);
+void MixedPixelFilter::Config::describe(ParameterTable& table) {
+  table.add("mixed_pixel_separation_m", &separation_m, "m", {0.0, 10.0},
+            "a point further than this from both its neighbours in the scan is a mixed pixel; 0: "
+            "no filter");
 }
 
-MixedPixelFilter::MixedPixelFilter(const Config& config) : config_(config) { config_.validate(); }
+MixedPixelFilter::MixedPixelFilter(const Config& config) : config_(validated(config)) {}
 
 void MixedPixelFilter::apply(AssembledScan& scan) const {
   if (config_.separation_m == 0.0) return;

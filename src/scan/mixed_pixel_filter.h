@@ -1,5 +1,6 @@
 #pragma once
 
+#include "config/parameter_table.h"
 #include "scan/assembled_scan.h"
 
 namespace tccm {
@@ -11,8 +12,7 @@ class MixedPixelFilter {
   struct Config {
     double separation_m = 0.06;  ///< 0 switches the filter off
 
-    /// @throws ConfigError
-    void validate() const;
+    void describe(ParameterTable& table);
   };
 
   /// @throws ConfigError

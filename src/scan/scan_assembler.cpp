@@ -16,17 +16,19 @@ double unknownFraction(const AssembledScan& scan) {
 
 }  // namespace
 
-void ScanAssembler::Config::validate() const {
-  requireInRange("scan_beams_max", static_cast<double>(scan_beams_max), 1.0, 1e6);
-  requireInRange("scan_unknown_fraction_max", scan_unknown_fraction_max, 0.0, 1.0);
-  mixed_pixel.validate();
-  body.validate();
+void ScanAssembler::Config::describe(ParameterTable& table) {
+  table.add("scan_beams_max", &scan_beams_max, "beams", {1.0, 1e6}, "a scan with more is dropped");
+  table.add("scan_unknown_fraction_max", &scan_unknown_fraction_max, "", {0.0, 1.0},
+            "a scan with a larger share of beams that are NaN or too close is dropped: the sensor "
+            "is blind");
+  mixed_pixel.describe(table);
+  body.describe(table);
 }
 
 ScanAssembler::ScanAssembler(const Config& config)
-    : config_(config), mixed_pixel_filter_(config.mixed_pixel), body_filter_(config.body) {
-  config_.validate();
-}
+    : config_(validated(config)),
+      mixed_pixel_filter_(config.mixed_pixel),
+      body_filter_(config.body) {}
 
 std::string ScanAssembler::assemble(const LaserScan& scan, const PosePath& T_fixed_sensor,
                                     const std::vector<BodySample>& body,

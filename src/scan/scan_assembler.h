@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "config/parameter_table.h"
 #include "scan/assembled_scan.h"
 #include "scan/body_filter.h"
 #include "scan/mixed_pixel_filter.h"
@@ -22,8 +23,7 @@ class ScanAssembler {
     MixedPixelFilter::Config mixed_pixel;
     BodyFilter::Config body;
 
-    /// @throws ConfigError
-    void validate() const;
+    void describe(ParameterTable& table);
   };
 
   /// @throws ConfigError

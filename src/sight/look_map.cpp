@@ -49,14 +49,17 @@ std::uint16_t toMillimetres(double metres) {
 
 }  // namespace
 
-void LookMap::Config::validate() const {
-  requireInRange("look_resolution_rad", resolution_rad, 0.01, 0.2);
-  requireInRange("look_spread_rad", spread_rad, 0.001, 0.2);
-  requireInRange("look_pass_gap_s", pass_gap_s, 0.001, 10.0);
+void LookMap::Config::describe(ParameterTable& table) {
+  table.add("look_resolution_rad", &resolution_rad, "rad", {0.01, 0.2},
+            "edge of a pixel of the image of where the sensor looked");
+  table.add("look_spread_rad", &spread_rad, "rad", {0.001, 0.2},
+            "a beam speaks for the directions within it: at least half of what scans are apart");
+  table.add("look_pass_gap_s", &pass_gap_s, "s", {0.001, 10.0},
+            "looks in one direction that are further apart are two passes");
 }
 
 LookMap::LookMap(const Config& config)
-    : config_((config.validate(), config)),
+    : config_(validated(config)),
       image_(config.resolution_rad),
       spread_cosine_(std::cos(config.spread_rad)),
       rows_within_(static_cast<int>(std::ceil(config.spread_rad / image_.grid().resolution()))),

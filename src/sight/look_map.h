@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "config/parameter_table.h"
 #include "sight/look.h"
 #include "sight/look_image.h"
 #include "tccm_monitor/time.h"
@@ -23,8 +24,7 @@ class LookMap {
     double spread_rad = 0.03;
     double pass_gap_s = 0.1;  ///< looks in one direction that are further apart are two passes
 
-    /// @throws ConfigError
-    void validate() const;
+    void describe(ParameterTable& table);
   };
 
   /// Allocates all that it will ever use. @throws ConfigError

@@ -57,11 +57,11 @@ TEST_F(AttachedObjectsTest, TheVerdictNamesTheObjectAndTheLinkThatHoldsIt) {
   EXPECT_EQ(verdict.link, "hand");
   EXPECT_EQ(verdict.detail, "'ball' on hand touches the map");
   ASSERT_FALSE(verdict.now.contacts.empty());
-  EXPECT_EQ(checker_->model().shapes()[verdict.now.contacts.front().shape].object, "ball");
+  EXPECT_EQ(checker_->model()->shapes()[verdict.now.contacts.front().shape].object, "ball");
   const auto asked = checker_->checkState(at(kStart + 0.02), {"slide"}, {0.65});
-  EXPECT_EQ(asked.reason, Reason::kCollision);
-  EXPECT_EQ(asked.link, "hand");
-  EXPECT_EQ(asked.detail, verdict.detail);
+  EXPECT_EQ(asked.cause.reason, Reason::kCollision);
+  EXPECT_EQ(asked.cause.link, "hand");
+  EXPECT_EQ(asked.cause.detail, verdict.detail);
 }
 
 TEST_F(AttachedObjectsTest, WhereTheHandItselfTouchesTheHandIsNamed) {
@@ -100,29 +100,29 @@ TEST_F(AttachedObjectsTest, AnObjectOfTheSameNameIsReplacedAndAnotherIsAdded) {
   checker_->attach(ballAhead("ball", 0.07));
   ASSERT_EQ(checker_->attached().size(), 1U);
   EXPECT_EQ(std::get<Sphere>(checker_->attached().front().primitive.shape).radius, 0.07);
-  EXPECT_EQ(checker_->model().shapes().size(), bare + 1);
+  EXPECT_EQ(checker_->model()->shapes().size(), bare + 1);
   AttachedObject other = ballAhead("cap");
   other.link = "other";
   checker_->attach(other);
   EXPECT_EQ(checker_->attached().size(), 2U);
-  EXPECT_EQ(checker_->model().shapes().size(), bare + 2);
+  EXPECT_EQ(checker_->model()->shapes().size(), bare + 2);
   EXPECT_TRUE(checker_->detach("ball"));
   ASSERT_EQ(checker_->attached().size(), 1U);
   EXPECT_EQ(checker_->attached().front().name, "cap");
-  EXPECT_EQ(checker_->model().linkOf(bare), "other");
+  EXPECT_EQ(checker_->model()->linkOf(bare), "other");
 }
 
 TEST_F(AttachedObjectsTest, DetachingWhatIsNotThereChangesNothing) {
   checker_->attach(ballAhead());
-  const auto before = checker_->sharedModel();
+  const auto before = checker_->model();
   EXPECT_FALSE(checker_->detach("mug"));
   EXPECT_FALSE(checker_->detach(""));
-  EXPECT_EQ(checker_->sharedModel(), before);
+  EXPECT_EQ(checker_->model(), before);
 }
 
 TEST_F(AttachedObjectsTest, WhatIsRefusedLeavesEverythingAsItWas) {
   checker_->attach(ballAhead());
-  const auto before = checker_->sharedModel();
+  const auto before = checker_->model();
   EXPECT_EQ(feedAndCheck(kStart, post_, 0.65).reason, Reason::kCollision);
   std::vector<AttachedObject> refused(6, ballAhead());
   refused[0].link = "nowhere";
@@ -133,7 +133,7 @@ TEST_F(AttachedObjectsTest, WhatIsRefusedLeavesEverythingAsItWas) {
   refused[5].primitive.pose.linear() *= 2.0;
   for (std::size_t i = 0; i < refused.size(); ++i) {
     EXPECT_THROW(checker_->attach(refused[i]), ConfigError) << i;
-    EXPECT_EQ(checker_->sharedModel(), before) << i;
+    EXPECT_EQ(checker_->model(), before) << i;
     ASSERT_EQ(checker_->attached().size(), 1U) << i;
     EXPECT_EQ(checker_->attached().front().link, "hand") << i;
   }
@@ -153,7 +153,7 @@ TEST_F(AttachedObjectsTest, AVerdictThatCountedOtherShapesForgetsItsContacts) {
   for (const bool held : {true, false}) {
     if (held) checker_->attach(ballAhead());
     for (const Contact& contact : feedAndCheck(kStart + 0.02, post_, 0.75).now.contacts) {
-      ASSERT_LT(contact.shape, checker_->model().shapes().size());
+      ASSERT_LT(contact.shape, checker_->model()->shapes().size());
     }
     EXPECT_EQ(verdict.reason, Reason::kCollision);
     checker_->detach("ball");
@@ -286,7 +286,7 @@ TEST_F(SeveralRootsTest, ARootThatIsMissingIsWaitedForAndThenNamed) {
     EXPECT_EQ(reasonAt(kStart + 0.6), Reason::kNoTransform);
     EXPECT_NE(check(kStart + 0.6).detail.find(link), std::string::npos);
     EXPECT_FALSE(checker_->linkPose(at(kStart + 0.6), "hand"));
-    EXPECT_EQ(checker_->checkState(at(kStart + 0.6), {"slide"}, {0.0}).reason,
+    EXPECT_EQ(checker_->checkState(at(kStart + 0.6), {"slide"}, {0.0}).cause.reason,
               Reason::kNoTransform);
   }
 }
@@ -329,8 +329,7 @@ class FixedJointsTest : public test::CheckerFixture {
     setMap(kStart, clear_);
     checker_->addJoints(at(kStart), at(kStart), {"slide"}, {0.0}, {});
   }
-  Checker::StateAnswer ask(const std::vector<std::string>& names,
-                           const std::vector<double>& positions) {
+  StateAnswer ask(const std::vector<std::string>& names, const std::vector<double>& positions) {
     return checker_->checkState(at(kStart), names, positions);
   }
 };
@@ -348,17 +347,19 @@ TEST_F(FixedJointsTest, NothingIsKnownWhileItIsPublishedElsewhere) {
   const Verdict& verdict = check(kStart + 0.01);
   EXPECT_EQ(verdict.reason, Reason::kNoJoints);
   EXPECT_NE(verdict.detail.find("'glide'"), std::string::npos) << verdict.detail;
-  EXPECT_EQ(checker_->checkState(at(kStart + 0.01), {"slide"}, {0.1}).reason, Reason::kNoJoints);
+  EXPECT_EQ(checker_->checkState(at(kStart + 0.01), {"slide"}, {0.1}).cause.reason,
+            Reason::kNoJoints);
   EXPECT_FALSE(checker_->linkPose(at(kStart + 0.01), "hand"));
 }
 
 TEST_F(FixedJointsTest, AQuestionMayNameAFixedJointWhereItIsAndNowhereElse) {
-  EXPECT_EQ(ask({"slide", "glide"}, {0.1, 0.2}).reason, Reason::kClear);
-  EXPECT_EQ(ask({"glide"}, {0.2005}).reason, Reason::kClear);
+  EXPECT_EQ(ask({"slide", "glide"}, {0.1, 0.2}).cause.reason, Reason::kClear);
+  EXPECT_EQ(ask({"glide"}, {0.2005}).cause.reason, Reason::kClear);
   const auto elsewhere = ask({"slide", "glide"}, {0.1, 0.3});
-  EXPECT_EQ(elsewhere.reason, Reason::kBadQuestion);
-  EXPECT_NE(elsewhere.detail.find("'glide'"), std::string::npos) << elsewhere.detail;
-  EXPECT_NE(elsewhere.detail.find("fixed_joints"), std::string::npos) << elsewhere.detail;
+  EXPECT_EQ(elsewhere.cause.reason, Reason::kBadQuestion);
+  EXPECT_NE(elsewhere.cause.detail.find("'glide'"), std::string::npos) << elsewhere.cause.detail;
+  EXPECT_NE(elsewhere.cause.detail.find("fixed_joints"), std::string::npos)
+      << elsewhere.cause.detail;
 }
 
 }  // namespace

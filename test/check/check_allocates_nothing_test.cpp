@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "check/checker.h"
+#include "check/checker_config.h"
 #include "support/table_scene.h"
 
 namespace {

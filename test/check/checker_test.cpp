@@ -1,5 +1,4 @@
-#include "check/checker.h"
-
+#include "check/checker_config.h"
 #include "support/checker_fixture.h"
 #include "tccm_monitor/config_error.h"
 
@@ -187,7 +186,7 @@ TEST_F(CheckerTest, AClockThatStandsStillIsAFaultUntilItGoesOn) {
   run(kStart, kStart + 0.5, clear_);
   checker_->inputs().setClockStalls(true);
   EXPECT_EQ(reasonAt(kStart + 0.5), Reason::kNoClock);
-  EXPECT_NE(checker_->checkState(at(kStart + 0.5), {"slide"}, {0.0}).reason, Reason::kClear);
+  EXPECT_NE(checker_->checkState(at(kStart + 0.5), {"slide"}, {0.0}).cause.reason, Reason::kClear);
   checker_->inputs().setClockStalls(false);
   EXPECT_EQ(run(kStart + 0.51, kStart + 1.4, clear_).reason, Reason::kReleasing);
   EXPECT_EQ(run(kStart + 1.41, kStart + 1.6, clear_).reason, Reason::kClear);
@@ -351,7 +350,7 @@ TEST(CheckerConfigTest, ValuesOutOfRangeAreRefused) {
     EXPECT_THROW(Checker(test::sliderModel(), config), ConfigError) << value;
   };
   using Config = Checker::Config;
-  refused(&Config::way, &WayAhead::Config::horizon_s, -0.1);
+  refused(&Config::way, &ContactJudge::Config::horizon_s, -0.1);
   refused(&Config::inputs, &CheckInputs::Config::joint_timeout_s, 0.0);
   refused(&Config::inputs, &CheckInputs::Config::transform_timeout_s, 0.0);
   refused(&Config::inputs, &CheckInputs::Config::scan_timeout_periods, 0.5);

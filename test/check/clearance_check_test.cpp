@@ -8,6 +8,7 @@
 
 #include "geometry/distance.h"
 #include "simulation/robot/dual_arm.h"
+#include "support/checked_robot.h"
 #include "support/cuboid_scene.h"
 #include "support/tiny_robot.h"
 #include "tccm_monitor/config_error.h"
@@ -43,11 +44,11 @@ class ClearanceCheckTest : public ::testing::Test {
   }
   /// Of both links; least() has to say the same.
   void look(double slide, double glide, double radius_m = kRadius) {
-    ClearanceCheck check(model_, use_, collision_, radius_m);
-    result_ = check.find(map_, at(slide, glide), kAtOrigin);
+    ClearanceCheck check(test::checked(model_, use_, collision_), radius_m);
+    result_ = check.find(map_, test::postureOf(model_, at(slide, glide)));
     double least = kInfinity;
     for (const LinkClearance& entry : result_) least = std::min(least, entry.distance_m);
-    EXPECT_EQ(check.least(map_, at(slide, glide), kAtOrigin), least);
+    EXPECT_EQ(check.least(map_, test::postureOf(model_, at(slide, glide))), least);
   }
   [[nodiscard]] const LinkClearance& of(const std::string& link) const {
     for (const LinkClearance& entry : result_) {
@@ -127,12 +128,12 @@ TEST_F(ClearanceCheckTest, EveryLinkHasItsOwn) {
 
 TEST_F(ClearanceCheckTest, NothingIsLeftOfTheCallBefore) {
   addWall(0.8, 0.0);
-  ClearanceCheck check(model_, use_, collision_, kRadius);
-  result_ = check.find(map_, at(0.7, 9.0), kAtOrigin);
+  ClearanceCheck check(test::checked(model_, use_, collision_), kRadius);
+  result_ = check.find(map_, test::postureOf(model_, at(0.7, 9.0)));
   EXPECT_NEAR(of("hand").distance_m, 0.05, kRounding);
-  result_ = check.find(map_, at(0.6, 9.0), kAtOrigin);
+  result_ = check.find(map_, test::postureOf(model_, at(0.6, 9.0)));
   EXPECT_NEAR(of("hand").distance_m, 0.15, kRounding);
-  result_ = check.find(map_, at(0.1, 9.0), kAtOrigin);
+  result_ = check.find(map_, test::postureOf(model_, at(0.1, 9.0)));
   EXPECT_EQ(of("hand").distance_m, kInfinity);
 }
 
@@ -150,8 +151,8 @@ TEST_F(ClearanceCheckTest, OfALinkOfTwoPrimitivesTheNearerCounts) {
                                        collisionOf(test::sphereOf("0.05"), "0.5 0 0.5"))));
   addBlock(map_, {Vector3(0.66, -0.02, 0.4), Vector3(0.7, 0.02, 0.6)});
   addBlock(map_, {Vector3(0.12, -0.02, 0.4), Vector3(0.16, 0.02, 0.6)});
-  ClearanceCheck check(model_, use_, collision_, kRadius);
-  const auto& found = check.find(map_, {}, kAtOrigin);
+  ClearanceCheck check(test::checked(model_, use_, collision_), kRadius);
+  const auto& found = check.find(map_, test::postureOf(model_, {}));
   ASSERT_EQ(found.size(), 1U);
   EXPECT_NEAR(found[0].distance_m, 0.09, kRounding);
   EXPECT_LT(map_.box(map_.cuboids[found[0].cuboid]).max().x(), 0.2) << "that of the first";
@@ -172,15 +173,17 @@ TEST_F(ClearanceCheckTest, ACuboidWithoutSupportIsPassedOver) {
 
 TEST_F(ClearanceCheckTest, TheRootsPoseMovesTheWholeRobot) {
   addWall(0.8, 0.0);
-  ClearanceCheck check(model_, use_, collision_, kRadius);
-  EXPECT_NEAR(check.least(map_, at(0.4, 0.0), {test::placedAt(0.3, 0.0, 0.0)}), 0.05, kRounding);
+  ClearanceCheck check(test::checked(model_, use_, collision_), kRadius);
+  EXPECT_NEAR(
+      check.least(map_, test::postureOf(model_, at(0.4, 0.0), {test::placedAt(0.3, 0.0, 0.0)})),
+      0.05, kRounding);
 }
 
 TEST_F(ClearanceCheckTest, WrongLinksAndValuesAreRefused) {
   use_.links = {"foot"};
-  EXPECT_THROW(ClearanceCheck(model_, use_, collision_, kRadius), ConfigError);
+  EXPECT_THROW(test::checked(model_, use_, collision_), ConfigError);
   collision_.support_points = 0;
-  EXPECT_THROW(ClearanceCheck(model_, {}, collision_, kRadius), ConfigError);
+  EXPECT_THROW(test::checked(model_, LinkUse(), collision_), ConfigError);
 }
 
 /// Counted anew over all cuboids.
@@ -230,12 +233,12 @@ void expectWhatBruteForceFinds(const std::shared_ptr<const RobotModel>& model,
     CollisionCheck::Config collision;
     collision.support_points = random.integer(1, 4);
     const double radius_m = random.chance(0.2) ? 0.02 : random.uniform(0.02, 0.4);
-    ClearanceCheck check(model, LinkUse({1.0, 0.04}), collision, radius_m);
+    ClearanceCheck check(test::checked(model, LinkUse({1.0, 0.04}), collision), radius_m);
     kinematics.update(positions, root);
     const std::vector<Nearest> expected =
         nearestOfAll(*model, kinematics.shapePoses(), map, collision.support_points, radius_m);
     double least = kInfinity;
-    for (const LinkClearance& entry : check.find(map, positions, root)) {
+    for (const LinkClearance& entry : check.find(map, kinematics.posture())) {
       const Nearest& nearest = expected[entry.link];
       least = std::min(least, entry.distance_m);
       if (std::abs(nearest.distance_m - radius_m) < kExact) continue;
@@ -255,7 +258,7 @@ void expectWhatBruteForceFinds(const std::shared_ptr<const RobotModel>& model,
       EXPECT_NEAR(to_named, entry.distance_m, kExact) << "that is how far its cuboid is";
       ++(nearest.distance_m == 0.0 ? touching : near);
     }
-    const double told = check.least(map, positions, root);
+    const double told = check.least(map, kinematics.posture());
     if (std::isinf(least)) {
       EXPECT_EQ(told, least) << scene;
     } else {

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "geometry/overlap.h"
+#include "support/checked_robot.h"
 #include "support/cuboid_scene.h"
 #include "support/fcl_overlap.h"
 #include "tccm_monitor/config_error.h"
@@ -72,7 +73,7 @@ TEST(CollisionCheckTest, FindsWhatFclFindsAmongAllCuboidsForEveryKindOfShape) {
     for (int scene = 0; scene < 25; ++scene) {
       const CuboidMap map = test::randomMap(random, smallGrid(), 0.5);
       const Body body = randomBody(random, kind);
-      const std::vector<Contact>& found = check.find(map, body);
+      const auto found = test::contactsOf(check, map, body);
       for (std::uint32_t i = 0; i < body.shapes.size(); ++i) {
         std::set<std::uint32_t> ours;
         for (const Contact& contact : found) {
@@ -94,7 +95,7 @@ TEST(CollisionCheckTest, ContactsComeByShapeThenByCellAndOnlyOnce) {
   Body body = randomBody(random, 0);
   body.shapes = {Sphere{0.2}, Sphere{0.3}, Sphere{0.25}};
   CollisionCheck check(everyContact());
-  const auto& found = check.find(map, body);
+  const auto found = test::contactsOf(check, map, body);
   ASSERT_GT(found.size(), 50U);
   for (std::size_t i = 0; i + 1 < found.size(); ++i) {
     const bool in_order = found[i].shape != found[i + 1].shape
@@ -113,7 +114,7 @@ CuboidMap oneCuboid(std::uint32_t points = 5) {
 
 std::size_t contactsOf(const Shape& shape, const Pose& pose, const CuboidMap& map) {
   CollisionCheck check(everyContact());
-  return check.find(map, {{shape}, {pose}}).size();
+  return test::contactsOf(check, map, {{shape}, {pose}}).size();
 }
 
 TEST(CollisionCheckTest, TouchingBordersCountOnEverySide) {
@@ -161,13 +162,14 @@ TEST(CollisionCheckTest, AShapeLargerThanTheWholeMapTouchesAllOfIt) {
 
 TEST(CollisionCheckTest, AnEmptyMapAndAnEmptyBodyHaveNoContacts) {
   CollisionCheck check(everyContact());
-  EXPECT_TRUE(check.find(test::emptyMap(), {{Sphere{1.0}}, {Pose::Identity()}}).empty());
-  EXPECT_TRUE(check.find(oneCuboid(), {}).empty());
+  EXPECT_TRUE(
+      test::contactsOf(check, test::emptyMap(), {{Sphere{1.0}}, {Pose::Identity()}}).empty());
+  EXPECT_TRUE(test::contactsOf(check, oneCuboid(), {}).empty());
 }
 
 bool isSupported(const CuboidMap& map, const CollisionCheck::Config& config) {
   CollisionCheck check(config);
-  return !check.find(map, {{Sphere{0.05}}, {placedAt(0.01, 0.01, 0.35)}}).empty();
+  return !test::contactsOf(check, map, {{Sphere{0.05}}, {placedAt(0.01, 0.01, 0.35)}}).empty();
 }
 
 TEST(CollisionCheckTest, TwoPointsAreNoObstacleAndThreeAre) {
@@ -184,7 +186,8 @@ TEST(CollisionCheckTest, PointsInTheEightCellsAroundSupportAndFurtherOnesDoNot) 
       const Vector3 beside(0.01 + 0.02 * dx, 0.01 + 0.02 * dy, 0.0);
       test::addCuboid(map, *map.grid.cellOf(beside), 0.35, 0.37, 2);
       CollisionCheck check{CollisionCheck::Config{}};
-      const auto& found = check.find(map, {{Sphere{0.001}}, {placedAt(0.01, 0.01, 0.35)}});
+      const auto found =
+          test::contactsOf(check, map, {{Sphere{0.001}}, {placedAt(0.01, 0.01, 0.35)}});
       EXPECT_EQ(found.size(), std::abs(dx) <= 1 && std::abs(dy) <= 1 ? 1U : 0U) << dx << " " << dy;
     }
   }
@@ -195,7 +198,8 @@ TEST(CollisionCheckTest, PointsFurtherThanTheSupportHeightDoNotSupport) {
     CuboidMap map = oneCuboid(1);
     test::addCuboid(map, map.cuboids[0].cell, bottom, bottom + 0.05, 2);
     CollisionCheck check{CollisionCheck::Config{}};
-    const auto& found = check.find(map, {{Sphere{0.001}}, {placedAt(0.01, 0.01, 0.35)}});
+    const auto found =
+        test::contactsOf(check, map, {{Sphere{0.001}}, {placedAt(0.01, 0.01, 0.35)}});
     EXPECT_EQ(found.size(), supported ? 1U : 0U) << bottom;
   }
 }
@@ -225,14 +229,14 @@ TEST(CollisionCheckTest, TheSupportRuleIsThatOfABruteForceOverAllCuboids) {
     config.support_points = random.integer(2, 8);
     CollisionCheck supported(config);
     std::set<std::pair<std::uint32_t, std::uint32_t>> expected, found;
-    for (const Contact& contact : every.find(map, body)) {
+    for (const Contact& contact : test::contactsOf(every, map, body)) {
       if (isSupportedByBruteForce(map, map.cuboids[contact.cuboid], 30, config.support_points)) {
         expected.emplace(contact.shape, contact.cuboid);
       } else {
         ++left_out;
       }
     }
-    for (const Contact& contact : supported.find(map, body)) {
+    for (const Contact& contact : test::contactsOf(supported, map, body)) {
       found.emplace(contact.shape, contact.cuboid);
     }
     EXPECT_EQ(found, expected) << scene;
@@ -249,8 +253,8 @@ TEST(CollisionCheckTest, NoMoreContactsAreListedThanAsked) {
   Random random(2);
   const CuboidMap map = test::randomMap(random, smallGrid(), 0.9);
   const Body body{{Sphere{0.2}, Sphere{0.2}}, {placedAt(0, 0, 0.3), placedAt(0, 0, 0.3)}};
-  EXPECT_EQ(check.find(map, body).size(), 7U);
-  EXPECT_EQ(check.find(map, {}).size(), 0U) << "the list starts anew";
+  EXPECT_EQ(test::contactsOf(check, map, body).size(), 7U);
+  EXPECT_EQ(test::contactsOf(check, map, {}).size(), 0U) << "the list starts anew";
 }
 
 TEST(CollisionCheckTest, ValuesOutOfRangeAreRefused) {

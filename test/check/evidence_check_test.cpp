@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "support/checked_robot.h"
 #include "support/cuboid_scene.h"
 #include "support/look_around.h"
 #include "support/tiny_robot.h"
@@ -52,7 +53,7 @@ class EvidenceCheckTest : public ::testing::Test {
   const std::shared_ptr<const RobotModel> model_ = test::sliderModel();
   EvidenceCheck::Config config_;
   CuboidMap map_ = test::emptyMap();
-  EvidenceCheck check_{*model_, config_, {0, 1}, LinkUse()};
+  EvidenceCheck check_{test::checked(model_), config_};
 };
 
 TEST_F(EvidenceCheckTest, WhatWasLookedAtJustNowIsSeen) {
@@ -174,12 +175,12 @@ TEST_F(EvidenceCheckTest, WithoutAPeriodAgesSayNothing) {
 TEST_F(EvidenceCheckTest, LinksThatAreNotAskedForArePassedOver) {
   EvidenceCheck::Config config;
   config.links = {"oth*"};
-  EvidenceCheck check(*model_, config, {0, 1}, LinkUse());
+  EvidenceCheck check(test::checked(model_), config);
   const auto& found = check.find(map_, at(10.5), bodyAt(0.3, 0.3), bodyAt(0.5, 0.3));
   ASSERT_EQ(found.links.size(), 1U);
   EXPECT_EQ(model_->links()[found.links[0].link], "other");
   config.links = {"nobody"};
-  EXPECT_THROW(EvidenceCheck(*model_, config, {0, 1}, LinkUse()), ConfigError);
+  EXPECT_THROW(EvidenceCheck(test::checked(model_), config), ConfigError);
 }
 
 TEST_F(EvidenceCheckTest, TheSensorsOwnHousingIsPassedOver) {
@@ -194,7 +195,7 @@ TEST_F(EvidenceCheckTest, WhatIsOutOfRangeIsRefusedByItsName) {
     EvidenceCheck::Config config;
     config.*member = value;
     try {
-      EvidenceCheck check(*model_, config, {0, 1}, LinkUse());
+      EvidenceCheck check(test::checked(model_), config);
       ADD_FAILURE() << name;
     } catch (const ConfigError& error) {
       EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();

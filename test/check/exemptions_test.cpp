@@ -261,7 +261,7 @@ TEST_F(ExemptedCheckTest, ItEndsAtItsTimeAlthoughNobodyEndsIt) {
   exempt("hand", post_region_, 1.0);
   EXPECT_EQ(run(kStart, kStart + 0.975, post_, 0.75).reason, Reason::kClear);
   EXPECT_EQ(feedAndCheck(kStart + 1.0, post_, 0.75).reason, Reason::kCollision);
-  EXPECT_TRUE(checker_->exemptions().list().empty());
+  EXPECT_TRUE(checker_->exemptions().empty());
 }
 
 TEST_F(ExemptedCheckTest, ItIsEndedAtOnce) {
@@ -311,7 +311,9 @@ TEST_F(ExemptedCheckTest, ItOutlastsANewConfigurationAndNotAClockThatJumpsBack) 
 TEST_F(ExemptedCheckTest, QuestionsAboutStatesAndWaysKnowIt) {
   feed(kStart, post_);
   const JointTrajectory into_it{{"slide"}, {{1.0, {0.75}, {}, {}}}};
-  const auto state = [this] { return checker_->checkState(at(kStart), {"slide"}, {0.75}).reason; };
+  const auto state = [this] {
+    return checker_->checkState(at(kStart), {"slide"}, {0.75}).cause.reason;
+  };
   EXPECT_EQ(state(), Reason::kCollision);
   EXPECT_EQ(checker_->checkTrajectory(at(kStart), into_it).cause.reason, Reason::kCollision);
   exempt("hand", post_region_);
@@ -322,7 +324,8 @@ TEST_F(ExemptedCheckTest, QuestionsAboutStatesAndWaysKnowIt) {
 TEST_F(ExemptedCheckTest, AQuestionAfterItsEndDoesNotKnowIt) {
   feed(kStart, post_);
   exempt("hand", post_region_, 0.01);
-  EXPECT_EQ(checker_->checkState(at(kStart + 0.02), {"slide"}, {0.75}).reason, Reason::kCollision);
+  EXPECT_EQ(checker_->checkState(at(kStart + 0.02), {"slide"}, {0.75}).cause.reason,
+            Reason::kCollision);
   exempt("hand", post_region_, 0.01);
   EXPECT_EQ(checker_->checkTrajectory(at(kStart + 0.02), {{"slide"}, {{1.0, {0.75}, {}, {}}}})
                 .cause.reason,

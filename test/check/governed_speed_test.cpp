@@ -7,6 +7,7 @@
 #include <string>
 
 #include "support/cuboid_scene.h"
+#include "support/made_situation.h"
 #include "support/tiny_robot.h"
 #include "tccm_monitor/config_error.h"
 
@@ -58,11 +59,17 @@ class GovernedHand : public ::testing::Test {
     map_.stamp = at(now_);
     ++map_.serial;
   }
+  const GovernedSpeed::Limit& limitOf(GovernedSpeed& governor, const JointSnapshot& joints) {
+    Causes causes;
+    governor.judge(situation_.at(at(now_), map_, joints, scale_), causes);
+    EXPECT_EQ(causes.empty(), governor.limit().scale >= 1.0);
+    return governor.limit();
+  }
   /// One step; the hand does at once what it is told.
   const GovernedSpeed::Limit& step(double commanded_mps) {
     const double speed = scale_ * commanded_mps;
     JointSnapshot joints{at(now_), at(now_), {x_, 0.0}, {speed, 0.0}};
-    const auto& limit = governor_->find(map_, at(now_), joints, {Pose::Identity()}, scale_);
+    const auto& limit = limitOf(*governor_, joints);
     scale_ = limit.scale < scale_ ? limit.scale : std::min(limit.scale, scale_ + kRise * kStep);
     x_ += scale_ * commanded_mps * kStep;
     now_ += kStep;
@@ -87,7 +94,7 @@ class GovernedHand : public ::testing::Test {
       const auto look = std::find_if(looks_.begin(), looks_.end(),
                                      [&](double stamp) { return stamp > begin.stamp; });
       if (begin.stamp < from || look == looks_.end()) continue;
-      const double verdict = *look + config_.reaction_time_s;
+      const double verdict = *look + situation_.braking.reaction_time_s;
       const auto end = std::find_if(way_.begin(), way_.end(),
                                     [verdict](const Step& s) { return s.stamp >= verdict - 1e-9; });
       if (end == way_.end()) continue;
@@ -107,6 +114,7 @@ class GovernedHand : public ::testing::Test {
   };
   const std::shared_ptr<const RobotModel> model_ = test::sliderModel();
   GovernedSpeed::Config config_;
+  test::MadeSituation situation_{model_};
   std::unique_ptr<GovernedSpeed> governor_;
   CuboidMap map_ = test::emptyMap();
   double now_ = 0.0, x_ = -0.5, scale_ = 1.0;
@@ -177,22 +185,21 @@ TEST_F(GovernedHand, WhatItMovesAwayFromDoesNotLimitIt) {
   ASSERT_LT(scale_, 0.02);
   JointSnapshot back{at(now_), at(now_), {x_, 0.0}, {-0.05, 0.0}};
   look();  // places behind are seen; that ahead of the way out too
-  const auto& limit = governor_->find(map_, at(now_), back, {Pose::Identity()}, scale_);
+  const auto& limit = limitOf(*governor_, back);
   EXPECT_GT(limit.allowed_mps == 0.0 ? 1.0 : limit.allowed_mps, 0.05);
 }
 
 TEST_F(GovernedHand, AnotherThatTakesOverLimitsAsMuch) {
   run(2.0, 0.0, {0.0, 0.5});
   for (int i = 0; i < 40; ++i) step(0.4);
-  const auto limitOf = [this](GovernedSpeed& governor) {
-    const JointSnapshot joints{at(now_), at(now_), {x_, 0.0}, {scale_ * 0.4, 0.0}};
-    return governor.find(map_, at(now_), joints, {Pose::Identity()}, scale_).allowed_mps;
+  const auto allowed = [this](GovernedSpeed& governor) {
+    return limitOf(governor, {at(now_), at(now_), {x_, 0.0}, {scale_ * 0.4, 0.0}}).allowed_mps;
   };
   GovernedSpeed fresh(model_, config_, {0}), tuned(model_, config_, {0, 1});
   tuned.takeOver(*governor_);
-  const double allowed_mps = limitOf(*governor_);
-  EXPECT_NE(allowed_mps, limitOf(fresh));
-  EXPECT_EQ(limitOf(tuned), allowed_mps);
+  const double allowed_mps = allowed(*governor_);
+  EXPECT_NE(allowed_mps, allowed(fresh));
+  EXPECT_EQ(allowed(tuned), allowed_mps);
 }
 
 TEST_F(GovernedHand, AtRestNothingIsLimited) { EXPECT_EQ(step(0.0).scale, 1.0); }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "simulation/robot/dual_arm.h"
+#include "support/checked_robot.h"
 #include "support/checker_fixture.h"
 
 namespace tccm {
@@ -50,18 +51,19 @@ class MovingOutTest : public ::testing::Test {
                             : 0.0;
       way.add(time_s, at(places[i].slide, places[i].glide));
     }
-    PoseCheck pose(model_, config_);
-    pose.exempt(exempt_);
+    const auto robot = test::checked(model_, config_);
+    robot->exempt(exempt_);
     PoseFindings findings;
-    pose.check(map_, at(places.front().slide, places.front().glide), kAtOrigin, findings);
+    PoseCheck(robot, 1.5)
+        .check(map_, test::postureOf(model_, at(places.front().slide, places.front().glide)),
+               findings);
     contacts_ = findings.contacts.size();
-    MovingOut moving_out(model_, config_);
-    moving_out.exempt(exempt_);
+    MovingOut moving_out(robot);
     return moving_out.opens(map_, findings.contacts, way, until_s, kAtOrigin, must_open);
   }
 
   std::shared_ptr<const RobotModel> model_ = test::sliderModel();
-  PoseCheck::Config config_;
+  CheckedRobot::Config config_;
   CuboidMap map_ = test::emptyMap();
   ExemptRegions exempt_;
   std::size_t contacts_ = 0;  ///< at the begin of the last way
@@ -198,11 +200,11 @@ TEST_F(MovingOutTest, AJumpIsNoWayOut) {
   way.add(0.1, at(0.75, 0.0));
   way.add(0.1, at(0.60, 0.0));
   way.add(0.5, at(0.60, 0.0));
-  PoseCheck pose(model_, config_);
+  PoseCheck pose(test::checked(model_, config_), 1.5);
   PoseFindings findings;
-  pose.check(map_, at(0.75, 0.0), kAtOrigin, findings);
-  EXPECT_FALSE(
-      MovingOut(model_, config_).opens(map_, findings.contacts, way, 0.5, kAtOrigin, true));
+  pose.check(map_, test::postureOf(model_, at(0.75, 0.0)), findings);
+  EXPECT_FALSE(MovingOut(test::checked(model_, config_))
+                   .opens(map_, findings.contacts, way, 0.5, kAtOrigin, true));
 }
 
 TEST_F(MovingOutTest, WhereNotAllContactsAreKnownNothingIsSaid) {
@@ -241,7 +243,7 @@ TEST_F(MovingOutTest, TellsWhenALinkMayHaveMovedThatFar) {
   way.add(0.0, at(0.7, 0.0));
   way.add(0.5, at(0.5, 0.1));  // 0.4 and 0.2 m/s
   way.add(1.0, at(0.7, 0.2));
-  MovingOut moving_out(model_, config_);
+  MovingOut moving_out(test::checked(model_, config_));
   EXPECT_NEAR(moving_out.timeOf(way, 0.1), 0.25, 1e-4);
   EXPECT_NEAR(moving_out.timeOf(way, 0.3), 0.75, 1e-4) << "there and back";
   EXPECT_EQ(moving_out.timeOf(way, 0.5), 1.0) << "never";
@@ -265,11 +267,11 @@ TEST_F(MovingOutTest, ACapsuleIsJudgedByItsAxis) {
     JointPath way(1);
     way.add(0.0, {0.0});
     way.add(0.5, {to});
-    PoseCheck pose(model, config_);
+    PoseCheck pose(test::checked(model, config_), 1.5);
     PoseFindings findings;
-    pose.check(map_, {0.0}, kAtOrigin, findings);
+    pose.check(map_, test::postureOf(model, {0.0}), findings);
     EXPECT_TRUE(findings.collision);
-    MovingOut moving_out(model, config_);
+    MovingOut moving_out(test::checked(model, config_));
     return moving_out.opens(map_, findings.contacts, way, 0.5, kAtOrigin, false);
   };
   EXPECT_TRUE(turns(-0.1));

@@ -11,6 +11,7 @@
 
 #include "check/pose_check.h"
 #include "ros/resources.h"
+#include "support/checked_robot.h"
 #include "support/cuboid_scene.h"
 #include "support/exact_robot.h"
 #include "support/fcl_overlap.h"
@@ -103,8 +104,8 @@ bool includes(const Links& all, const Links& some) {
 }
 
 /// What geometry alone decides: neither padding nor support.
-PoseCheck::Config bareConfig() {
-  PoseCheck::Config config;
+CheckedRobot::Config bareConfig() {
+  CheckedRobot::Config config;
   config.collision_use.expansion = {1.0, 0.0};
   config.collision.support_points = 1;
   config.collision.contacts_max = 100000;
@@ -129,8 +130,8 @@ class PandaCollisionTest : public ::testing::Test {
     remake(bareConfig());
   }
 
-  void remake(const PoseCheck::Config& config) {
-    check_ = std::make_unique<PoseCheck>(model_, config);
+  void remake(const CheckedRobot::Config& config) {
+    check_ = std::make_unique<PoseCheck>(test::checked(model_, config), 1.5);
   }
 
   void place(const JointPositions& positions) {
@@ -144,7 +145,7 @@ class PandaCollisionTest : public ::testing::Test {
 
   /// The links that touch the map by their primitives.
   [[nodiscard]] Links touching(const CuboidMap& map) {
-    check_->check(map, positions_, {Pose::Identity()}, findings_);
+    check_->check(map, test::postureOf(model_, positions_), findings_);
     Links links;
     for (const Contact& contact : findings_.contacts) links.insert(model_->linkOf(contact.shape));
     EXPECT_EQ(findings_.collision, !links.empty());
@@ -193,7 +194,7 @@ TEST_F(PandaCollisionTest, RobotWorldCollision2ALargeBoxInTheArmHasManyContacts)
 TEST_F(PandaCollisionTest, PaddingTestTheBoxBeforeTheHandIsTouchedWithTheHandPadded) {
   place(kHome);
   EXPECT_TRUE(touching(test::emptyMap()).empty());
-  PoseCheck::Config padded = bareConfig();
+  CheckedRobot::Config padded = bareConfig();
   padded.collision_use.exceptions = {{{"panda_hand"}, std::nullopt, 0.08}};
   remake(padded);
   EXPECT_EQ(touching(mapOfBox(kInFrontOfTheHand, 0.1)).count("panda_hand"), 1U);

@@ -12,7 +12,8 @@ Time at(double seconds) { return Time(fromSeconds(seconds)); }
 const Cause kNoJoints{Reason::kNoJoints, "no joint states"};
 const Cause kTouches{Reason::kCollision, "hand touches the map", "hand"};
 const Cause kAhead{Reason::kCollisionAhead, "hand touches the map ahead", "hand"};
-const Cause kFar{Reason::kCollisionAhead, Level::kSlow, "hand touches the map ahead", "hand"};
+const Cause kFar =
+    Cause::slowing(Reason::kCollisionAhead, 1.0, "hand touches the map ahead", "hand");
 const Cause kInit{Reason::kInit, "the map does not hold a whole sweep yet"};
 const Cause kMovesOut{Reason::kMovingOut, "hand moves out of contact", "hand"};
 
@@ -34,7 +35,9 @@ class PermissionTest : public ::testing::Test {
       if (cause.reason == Reason::kCollision) findings.touching = cause;
       if (cause.reason == Reason::kMovingOut) findings.touching = kTouches;
     }
-    findings.speed_scale = speed_scale;
+    for (Cause& cause : findings.causes) {
+      if (cause.level == Level::kSlow) cause.speed_scale = speed_scale;
+    }
     findings.window = fromSeconds(1.0);
     return permission_.decide(at(now_), findings);
   }
@@ -202,7 +205,6 @@ TEST_F(PermissionTest, ComingOutOfAHidingPlaceDoesNotCutTheReleaseOfAContactAhea
     Permission::Findings findings;
     findings.causes = {comes_out};
     findings.known = true;
-    findings.speed_scale = 0.2;
     findings.window = fromSeconds(1.0);
     return permission_.decide(at(now_), findings).worst.reason;
   };

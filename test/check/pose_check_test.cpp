@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/checked_robot.h"
 #include "support/cuboid_scene.h"
 #include "support/near.h"
 #include "support/tiny_robot.h"
@@ -18,11 +19,11 @@ class PoseCheckTest : public ::testing::Test {
   PoseCheckTest() { map_.viewpoint = Vector3(0.0, 0.0, 1.5); }
 
   PoseFindings check(double slide, double glide, const Pose& T_fixed_root = Pose::Identity()) {
-    PoseCheck check(model_, config_);
+    PoseCheck check(test::checked(model_, config_), 1.5);
     std::vector<double> positions{slide, glide};
     if (model_->variables()[0].name == "glide") std::swap(positions[0], positions[1]);
     PoseFindings findings;
-    check.check(map_, positions, {T_fixed_root}, findings);
+    check.check(map_, test::postureOf(model_, positions, {T_fixed_root}), findings);
     return findings;
   }
   /// A post at x from 0.8 m on, 0.4 m wide.
@@ -38,7 +39,7 @@ class PoseCheckTest : public ::testing::Test {
   }
 
   std::shared_ptr<const RobotModel> model_ = test::sliderModel();
-  PoseCheck::Config config_;
+  CheckedRobot::Config config_;
   CuboidMap map_ = test::emptyMap();
 };
 
@@ -123,12 +124,12 @@ TEST_F(PoseCheckTest, WithoutOcclusionOnlyCollisionIsFound) {
 TEST_F(PoseCheckTest, FindingsAreMadeAnewAtEveryCheck) {
   addPost(0.0);
   addShelf(0.5);
-  PoseCheck check(model_, config_);
+  PoseCheck check(test::checked(model_, config_), 1.5);
   PoseFindings findings;
-  check.check(map_, {0.8, 0.8}, {Pose::Identity()}, findings);
+  check.check(map_, test::postureOf(model_, {0.8, 0.8}), findings);
   ASSERT_TRUE(findings.collision);
   ASSERT_TRUE(findings.occlusion);
-  check.check(test::emptyMap(), {0.8, 0.8}, {Pose::Identity()}, findings);
+  check.check(test::emptyMap(), test::postureOf(model_, {0.8, 0.8}), findings);
   EXPECT_FALSE(findings.collision);
   EXPECT_FALSE(findings.occlusion);
   EXPECT_TRUE(findings.contacts.empty());
@@ -136,28 +137,28 @@ TEST_F(PoseCheckTest, FindingsAreMadeAnewAtEveryCheck) {
 }
 
 TEST_F(PoseCheckTest, TheCheckedBodyCanBeShown) {
-  PoseCheck check(model_, config_);
+  PoseCheck check(test::checked(model_, config_), 1.5);
   PoseFindings findings;
-  check.check(map_, {0.3, 0.3}, {Pose::Identity()}, findings);
-  ASSERT_EQ(check.collisionBody().shapes.size(), 2U);
-  EXPECT_NEAR(std::get<Sphere>(check.collisionBody().shapes[0]).radius, 0.08, 1e-12);
-  EXPECT_TRUE(test::isNearly(Vector3(check.collisionBody().poses[0].translation()),
+  check.check(map_, test::postureOf(model_, {0.3, 0.3}), findings);
+  ASSERT_EQ(check.collisionBody().body.shapes.size(), 2U);
+  EXPECT_NEAR(std::get<Sphere>(check.collisionBody().body.shapes[0]).radius, 0.08, 1e-12);
+  EXPECT_TRUE(test::isNearly(Vector3(check.collisionBody().body.poses[0].translation()),
                              Vector3(0.3, 0.0, 0.5), 1e-12));
   EXPECT_FALSE(check.occlusion().picture().drawn().empty());
-  EXPECT_EQ(check.occlusionShape(1), 1U);
+  EXPECT_EQ(check.occlusionBody().shapes[1], 1U);
 }
 
 TEST_F(PoseCheckTest, ValuesOutOfRangeAndWrongLinksAreRefused) {
   config_.collision_use.expansion.scale = 0.9;
-  EXPECT_THROW(PoseCheck(model_, config_), ConfigError);
+  EXPECT_THROW(test::checked(model_, config_), ConfigError);
   config_.collision_use.expansion = {1.0, -0.01};
-  EXPECT_THROW(PoseCheck(model_, config_), ConfigError);
+  EXPECT_THROW(test::checked(model_, config_), ConfigError);
   config_.collision_use.expansion = {};
   config_.collision_use.links = {"foot"};
-  EXPECT_THROW(PoseCheck(model_, config_), ConfigError);
+  EXPECT_THROW(test::checked(model_, config_), ConfigError);
   config_.collision_use.links = {};
   config_.occlusion_use.links = {"base"};
-  EXPECT_THROW(PoseCheck(model_, config_), ConfigError) << "it has no primitive";
+  EXPECT_THROW(test::checked(model_, config_), ConfigError) << "it has no primitive";
 }
 
 }  // namespace

@@ -4,8 +4,9 @@
 
 #include <algorithm>
 
-#include "check/checker.h"
+#include "check/checker_config.h"
 #include "simulation/robot/dual_arm.h"
+#include "support/checked_robot.h"
 #include "support/tiny_robot.h"
 
 namespace tccm {
@@ -33,21 +34,22 @@ class SelfTestTest : public ::testing::Test {
   }
   /// Of a check in which the shapes of some links may touch what lies in a region.
   Links missed(const Links& exempt = {}, const PlacedShape& region = kAroundTheCuboid) {
-    PoseCheck check(model_, config_);
-    ExemptRegions regions(check.collisionShapes().size());
+    const auto robot = test::checked(model_, config_);
+    PoseCheck check(robot, 1.5);
+    ExemptRegions regions(robot->collisionBody().shapes.size());
     for (std::size_t i = 0; i < regions.size(); ++i) {
-      const std::string& link = model_->linkOf(check.collisionShape(i));
+      const std::string& link = model_->linkOf(robot->collisionBody().shapes[i]);
       if (std::find(exempt.begin(), exempt.end(), link) != exempt.end()) regions[i] = {region};
     }
-    check.exempt(regions);
-    return selfTest(model_, check, config_);
+    robot->exempt(regions);
+    return selfTest(*robot, check);
   }
   void take(const std::string& urdf, const RobotModel::Config& config = {}) {
     model_ = test::modelOf(urdf, config);
   }
 
   std::shared_ptr<const RobotModel> model_;
-  PoseCheck::Config config_;
+  CheckedRobot::Config config_;
 };
 
 TEST_F(SelfTestTest, SmallRobotsPass) {
@@ -123,10 +125,10 @@ TEST_F(SelfTestTest, ALinkIsNamedOnceAlthoughAllItsPrimitivesAreBlind) {
 TEST_F(SelfTestTest, OneBlindPrimitiveOfSeveralIsEnough) {
   take(robotOf(linkOf("base", collisionOf(test::sphereOf("0.05"), "0 0 0") +
                                   collisionOf(test::sphereOf("0.05"), "0.01 0 0"))));
-  PoseCheck check(model_, config_);
-  check.exempt({{kAroundTheCuboid}, {}});
-  EXPECT_EQ(selfTest(model_, check, config_), Links{"base"})
-      << "its neighbour touches all the same";
+  const auto robot = test::checked(model_, config_);
+  PoseCheck check(robot, 1.5);
+  robot->exempt({{kAroundTheCuboid}, {}});
+  EXPECT_EQ(selfTest(*robot, check), Links{"base"}) << "its neighbour touches all the same";
 }
 
 TEST_F(SelfTestTest, LinksThatAreNotToBeCheckedAreNotAskedFor) {
@@ -137,10 +139,10 @@ TEST_F(SelfTestTest, LinksThatAreNotToBeCheckedAreNotAskedFor) {
 
 /// The check is made for fewer links than are to be checked.
 TEST_F(SelfTestTest, ALinkThatTheCheckWasNotMadeForIsNamed) {
-  PoseCheck::Config fewer = config_;
+  CheckedRobot::Config fewer = config_;
   fewer.collision_use.ignored = {"other"};
-  PoseCheck check(model_, fewer);
-  EXPECT_EQ(selfTest(model_, check, config_), Links{"other"});
+  PoseCheck check(test::checked(model_, fewer), 1.5);
+  EXPECT_EQ(selfTest(*test::checked(model_, config_), check), Links{"other"});
 }
 
 /// Both primitives touch the cuboid wherever the robot is put, and only one contact is listed.

@@ -12,6 +12,7 @@
 
 #include "check/trajectory_check.h"
 #include "robot/kinematics.h"
+#include "support/checked_robot.h"
 #include "support/fcl_overlap.h"
 #include "support/table_scene.h"
 
@@ -24,9 +25,9 @@ constexpr double kDeep = 0.002;          // [m]
 constexpr double kWaypointPeriod = 0.1;  // [s]
 const std::vector<Pose> kAtOrigin{Pose::Identity()};
 
-TrajectoryCheck::Config collisionAlone() {
-  TrajectoryCheck::Config config;
-  config.pose.check_occlusion = false;
+CheckedRobot::Config collisionAlone() {
+  CheckedRobot::Config config;
+  config.check_occlusion = false;
   return config;
 }
 
@@ -57,7 +58,7 @@ class DenseCheck {
  public:
   explicit DenseCheck(std::shared_ptr<const RobotModel> model)
       : model_(std::move(model)), kinematics_(model_) {
-    const UsedShapes used = model_->shapesFor(collisionAlone().pose.collision_use, kCollisionKeys);
+    const UsedShapes used = model_->shapesFor(collisionAlone().collision_use, kCollisionKeys);
     for (std::size_t i = 0; i < used.shapes.size(); ++i) {
       const Expansion& whole = used.expansions[i];
       const Expansion core{whole.scale, whole.padding_m - kDeep};
@@ -240,7 +241,7 @@ struct Tally {
 Tally compare(const Trial& trial, unsigned seed) {
   constexpr int kOfAMap = 20;
   const auto model = simulation::dualArm();
-  TrajectoryCheck check(model, collisionAlone());
+  TrajectoryCheck check(test::checked(model, collisionAlone()), {}, 0.2, 1.5);
   DenseCheck dense(model);
   Random random(seed);
   CuboidMap map;

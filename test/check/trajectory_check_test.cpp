@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "support/checked_robot.h"
 #include "support/checker_fixture.h"
 #include "tccm_monitor/config_error.h"
 
@@ -30,7 +31,7 @@ class TrajectoryCheckTest : public test::CheckerFixture {
     }
     return trajectory;
   }
-  TrajectoryCheck::Answer ask(const JointTrajectory& trajectory, double now = kStart) {
+  TrajectoryAnswer ask(const JointTrajectory& trajectory, double now = kStart) {
     return checker_->checkTrajectory(at(now), trajectory);
   }
   void expectRefused(const JointTrajectory& trajectory, const std::string& word) {
@@ -126,7 +127,7 @@ TEST_F(TrajectoryCheckTest, ALinkThatIsHiddenAtAWaypointIsNamed) {
 }
 
 TEST_F(TrajectoryCheckTest, OfManyWaypointsSomeAreLookedAtForOcclusionTheLastAmongThem) {
-  config_.trajectory_occlusion_poses = 2;
+  config_.trajectory.occlusion_poses = 2;
   remake();
   feed(kStart, shelf_, -0.5);
   std::vector<Place> places;
@@ -214,20 +215,21 @@ TEST_F(TrajectoryCheckTest, AskingChangesNoVerdict) {
   feedAndCheck(kStart, post_);
   ask(sliding({{0.0, 0.0}, {1.0, 1.0}}));
   EXPECT_EQ(reasonAt(kStart + 0.01), Reason::kClear);
-  EXPECT_FALSE(checker_->commanded().active());
+  EXPECT_FALSE(checker_->check(at(kStart + 0.02)).follows_trajectory);
 }
 
 TEST(TrajectoryCheckConfigTest, ValuesOutOfRangeAreRefused) {
   const auto refused = [](const TrajectoryCheck::Config& config) {
-    EXPECT_THROW(TrajectoryCheck(test::sliderModel(), config), ConfigError);
+    EXPECT_THROW(TrajectoryCheck(test::checked(test::sliderModel()), config, 0.2, 1.5),
+                 ConfigError);
   };
   TrajectoryCheck::Config config;
-  EXPECT_NO_THROW(TrajectoryCheck(test::sliderModel(), config));
+  EXPECT_NO_THROW(TrajectoryCheck(test::checked(test::sliderModel()), config, 0.2, 1.5));
   config.step_m = 0.0;
   refused(config);
-  config = {};
-  config.clearance_radius_m = -0.1;
-  refused(config);
+  Checker::Config checker;
+  checker.clearance_radius_m = -0.1;
+  EXPECT_THROW(Checker(test::sliderModel(), checker), ConfigError);
   config = {};
   config.occlusion_poses = 0;
   refused(config);

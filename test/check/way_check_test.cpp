@@ -8,6 +8,7 @@
 #include "check/pose_check.h"
 #include "geometry/overlap.h"
 #include "simulation/robot/dual_arm.h"
+#include "support/checked_robot.h"
 #include "support/checker_fixture.h"
 #include "tccm_monitor/config_error.h"
 
@@ -31,11 +32,15 @@ constexpr double kStep = 0.02;
 
 const std::vector<Pose> kAtOrigin{Pose::Identity()};
 
-WayCheck wayCheck(const std::shared_ptr<const RobotModel>& model, double padding_m = kPadding,
-                  double step_m = kStep) {
+std::shared_ptr<CheckedRobot> padded(const std::shared_ptr<const RobotModel>& model,
+                                     double padding_m = kPadding) {
   CollisionCheck::Config collision;
   collision.support_points = 1;
-  return {model, LinkUse({1.0, padding_m}), collision, step_m, 0.1};
+  return test::checked(model, LinkUse({1.0, padding_m}), collision);
+}
+WayCheck wayCheck(const std::shared_ptr<const RobotModel>& model, double padding_m = kPadding,
+                  double step_m = kStep, double margin_max_m = 0.1) {
+  return {padded(model, padding_m), step_m, margin_max_m};
 }
 
 /// The slider robot: padded, its balls reach 90 mm around (slide, 0, 0.5) and (glide, 0.5, 0.5).
@@ -68,7 +73,8 @@ class WayCheckTest : public ::testing::Test {
 
   std::shared_ptr<const RobotModel> model_ = test::sliderModel();
   CuboidMap map_ = test::emptyMap();
-  WayCheck check_ = wayCheck(model_);
+  std::shared_ptr<CheckedRobot> robot_ = padded(model_);
+  WayCheck check_{robot_, kStep, 0.1};
 };
 
 TEST_F(WayCheckTest, AWayThatTouchesNothingIsFree) {
@@ -175,7 +181,7 @@ TEST_F(WayCheckTest, ACuboidWithoutSupportIsNoObstacle) {
   addBlock(map_, {Vector3(0.5, 0.0, 0.49), Vector3(0.52, 0.02, 0.51)}, 1);
   const JointPath path = way({{0.0, 0.0, 0.0}, {1.0, 0.9, 0.0}});
   EXPECT_TRUE(first(path));
-  WayCheck supported(model_, LinkUse({1.0, kPadding}), {}, kStep, 0.1);
+  WayCheck supported(test::checked(model_, LinkUse({1.0, kPadding}), {}), kStep, 0.1);
   EXPECT_FALSE(supported.firstContact(map_, path, 0.0, 1.0, kAtOrigin));
 }
 
@@ -190,43 +196,44 @@ TEST_F(WayCheckTest, WhatLiesInARegionThatALinkMayTouchIsNoContactOfThatLink) {
   ExemptRegions regions(2);
   const auto index = static_cast<std::size_t>(model_->linkOf(check_.shapes()[0]) == "hand" ? 0 : 1);
   regions[index] = {wallRegion(0.21)};
-  check_.exempt(regions);
+  robot_->exempt(regions);
   EXPECT_FALSE(first(path));
   regions[index] = {wallRegion(0.1)};
-  check_.exempt(regions);
+  robot_->exempt(regions);
   EXPECT_TRUE(first(path)) << "part of the wall is outside, and the ball is as wide as it";
   regions[index] = {};
   regions[1 - index] = {wallRegion(0.21)};
-  check_.exempt(regions);
+  robot_->exempt(regions);
   EXPECT_TRUE(first(path)) << "it is the other link that may touch it";
-  check_.exempt({});
+  robot_->exempt({});
   EXPECT_TRUE(first(path));
 }
 
 /// The wall begins 120 or 140 mm beside the hand's middle, which has a padded radius of 90 mm.
 TEST_F(WayCheckTest, AMarginForItsSpeedMakesALinkLarger) {
   const JointPath path = way({{0.0, 0.0, 0.0}, {1.0, 0.4, 0.15}});
-  const auto touches = [&](double y, WayCheck::Margin margin) {
+  const auto touches = [&](double y, double per_speed_s, double most_m = 0.1) {
+    WayCheck check = wayCheck(model_, kPadding, kStep, most_m);
     CuboidMap map = test::emptyMap();
     addBlock(map, {Vector3(0.0, y, 0.3), Vector3(1.0, y + 0.1, 0.7)});
-    check_.setMargins(path, 0.0, 1.0, kAtOrigin, margin);
-    return check_.firstContact(map, path, 0.0, 1.0, kAtOrigin).has_value();
+    check.setMargins(path, 0.0, 1.0, kAtOrigin, per_speed_s);
+    return check.firstContact(map, path, 0.0, 1.0, kAtOrigin).has_value();
   };
-  EXPECT_TRUE(touches(0.12, {0.1, 0.1})) << "0.4 m/s for 0.1 s are 40 mm";
-  EXPECT_FALSE(touches(0.14, {0.1, 0.1}));
-  EXPECT_FALSE(touches(0.12, {0.07, 0.1})) << "28 mm";
-  EXPECT_TRUE(touches(0.14, {10.0, 0.06}));
-  EXPECT_FALSE(touches(0.16, {10.0, 0.06})) << "no more than the most";
-  EXPECT_FALSE(touches(0.62, {0.1, 0.1})) << "the other goes at 0.15 m/s";
-  EXPECT_TRUE(touches(0.60, {0.1, 0.1}));
-  EXPECT_FALSE(touches(0.12, {0.0, 0.1}));
+  EXPECT_TRUE(touches(0.12, 0.1)) << "0.4 m/s for 0.1 s are 40 mm";
+  EXPECT_FALSE(touches(0.14, 0.1));
+  EXPECT_FALSE(touches(0.12, 0.07)) << "28 mm";
+  EXPECT_TRUE(touches(0.14, 10.0, 0.06));
+  EXPECT_FALSE(touches(0.16, 10.0, 0.06)) << "no more than the most";
+  EXPECT_FALSE(touches(0.62, 0.1)) << "the other goes at 0.15 m/s";
+  EXPECT_TRUE(touches(0.60, 0.1));
+  EXPECT_FALSE(touches(0.12, 0.0));
 }
 
 TEST_F(WayCheckTest, MarginsLastUntilTheyAreClearedAndSpeedsBeyond) {
   const JointPath path = way({{0.0, 0.0, 0.0}, {1.0, 0.4, 0.0}});
   addBlock(map_, {Vector3(0.0, 0.12, 0.3), Vector3(1.0, 0.22, 0.7)});
   EXPECT_FALSE(first(path));
-  check_.setMargins(path, 0.0, 1.0, kAtOrigin, {0.1, 0.1});
+  check_.setMargins(path, 0.0, 1.0, kAtOrigin, 0.1);
   const auto by_margin = first(path);
   ASSERT_TRUE(by_margin);
   EXPECT_NEAR(by_margin->link_speed_mps, 0.4, kRounding);
@@ -243,9 +250,9 @@ TEST_F(WayCheckTest, MarginsLastUntilTheyAreClearedAndSpeedsBeyond) {
 TEST_F(WayCheckTest, TheFastestQuarterOfTheWayCounts) {
   addWall(0.9, 0.0);
   const JointPath path = way({{0.0, 0.0, 0.0}, {0.25, 0.1, 0.0}, {0.5, 0.5, 0.0}, {1.0, 1.0, 0.0}});
-  check_.setMargins(path, 0.0, 1.0, kAtOrigin, {0.01, 0.1});
+  check_.setMargins(path, 0.0, 1.0, kAtOrigin, 0.01);
   EXPECT_NEAR(first(path)->link_speed_mps, 1.6, kRounding);
-  check_.setMargins(path, 0.5, 1.0, kAtOrigin, {0.01, 0.1});
+  check_.setMargins(path, 0.5, 1.0, kAtOrigin, 0.01);
   EXPECT_NEAR(first(path)->link_speed_mps, 1.0, kRounding);
 }
 
@@ -260,7 +267,7 @@ TEST_F(WayCheckTest, WhatTurnsIsAsFastAsItsOutermostPoint) {
   path.add(0.5, {0.5});
   addBlock(map_, {Vector3(0.6, 0.3, 0.3), Vector3(0.7, 0.4, 0.7)});
   addBlock(map_, {Vector3(0.8, -0.4, 0.3), Vector3(1.4, 0.4, 0.7)});
-  check.setMargins(path, 0.0, 0.5, kAtOrigin, {0.0, 0.1});
+  check.setMargins(path, 0.0, 0.5, kAtOrigin, 0.0);
   const auto found = check.firstContact(map_, path, 0.0, 0.5, kAtOrigin);
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->link_speed_mps, std::sqrt(0.4 * 0.4 + 2 * 0.05 * 0.05), 1e-6)
@@ -270,9 +277,9 @@ TEST_F(WayCheckTest, WhatTurnsIsAsFastAsItsOutermostPoint) {
 TEST_F(WayCheckTest, ARobotAtRestHasNoMargin) {
   const JointPath path = way({{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}});
   addBlock(map_, {Vector3(0.0, 0.10, 0.3), Vector3(1.0, 0.2, 0.7)});
-  check_.setMargins(path, 0.0, 1.0, kAtOrigin, {10.0, 0.1});
+  check_.setMargins(path, 0.0, 1.0, kAtOrigin, 10.0);
   EXPECT_FALSE(first(path));
-  check_.setMargins(path, 0.5, 0.5, kAtOrigin, {10.0, 0.1});
+  check_.setMargins(path, 0.5, 0.5, kAtOrigin, 10.0);
   EXPECT_FALSE(first(path)) << "no time, no speed";
   addWall(0.0, 0.0);
   EXPECT_EQ(first(path)->link_speed_mps, 0.0);
@@ -313,9 +320,9 @@ class ThinWallTest : public test::CheckerFixture {
     remake();
   }
   [[nodiscard]] PoseFindings pose(double slide) const {
-    PoseCheck check(model_, config_.pose);
+    PoseCheck check(test::checked(model_, config_.pose), 1.5);
     PoseFindings findings;
-    check.check(wall_, {slide}, kAtOrigin, findings);
+    check.check(wall_, test::postureOf(model_, {slide}), findings);
     return findings;
   }
 
@@ -326,7 +333,7 @@ class ThinWallTest : public test::CheckerFixture {
 TEST_F(ThinWallTest, IsMissedByACheckOfBothPosesAndFoundOnTheWayBetweenThem) {
   EXPECT_FALSE(pose(kFrom).collision);
   EXPECT_FALSE(pose(kTo).collision);
-  WayCheck way(model_, config_.pose.collision_use, config_.pose.collision, 0.02, 0.0);
+  WayCheck way(test::checked(model_, config_.pose), 0.02, 0.0);
   JointPath path(1);
   path.add(0.0, {kFrom});
   path.add(0.5, {kTo});
@@ -365,7 +372,7 @@ TEST_F(ThinWallTest, DoesNotStopARobotThatComesToAHaltBeforeIt) {
 TEST(WayCheckConfigTest, WrongLinksAreRefused) {
   LinkUse use;
   use.links = {"foot"};
-  EXPECT_THROW(WayCheck(test::sliderModel(), use, {}, 0.02, 0.0), ConfigError);
+  EXPECT_THROW(test::checked(test::sliderModel(), use, {}), ConfigError);
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ TEST(SelfFilterTrialTest, WithTheDefaultsNoOwnPointIsMappedAndNothingIsTouched) 
 TEST(SelfFilterTrialTest, WithoutTheSelfFilterTheRobotTouchesItself) {
   SelfFilterTrial::Config config = halfAMinute();
   config.duration_s = 20.0;
-  config.monitor.self_filter = false;
+  config.monitor.scan.self_filter = false;
   const SelfFilterTally tally = run(config);
   EXPECT_EQ(SelfFilterLimits().missed(tally),
             (std::vector<std::string>{"own_points", "contacts_with_body"}));
@@ -53,8 +53,8 @@ TEST(SelfFilterTrialTest, WithoutTheSelfFilterTheRobotTouchesItself) {
 TEST(SelfFilterTrialTest, With10MmOfPaddingAloneNoisePutsTheBodyIntoTheMap) {
   SelfFilterTrial::Config config = halfAMinute();
   config.duration_s = 20.0;
-  config.monitor.body.filtered.expansion.padding_m = 0.01;
-  config.monitor.assembler.body.range_tolerance_m = 0.0;
+  config.monitor.scan.body.filtered.expansion.padding_m = 0.01;
+  config.monitor.scan.assembler.body.range_tolerance_m = 0.0;
   const SelfFilterTally tally = run(config);
   EXPECT_GT(tally.of(BeamSource::kOwn).mapped(), 100U);
   EXPECT_GT(tally.contacts_with_body, 0U);
@@ -63,8 +63,8 @@ TEST(SelfFilterTrialTest, With10MmOfPaddingAloneNoisePutsTheBodyIntoTheMap) {
 TEST(SelfFilterTrialTest, ADeepShadowAndAWideGrazingRadiusCostMoreOfTheSceneThanAllowed) {
   SelfFilterTrial::Config config = halfAMinute();
   config.duration_s = 20.0;
-  config.monitor.assembler.body.shadow_depth_m = 100.0;
-  config.monitor.assembler.body.grazing_m = 0.04;
+  config.monitor.scan.assembler.body.shadow_depth_m = 100.0;
+  config.monitor.scan.assembler.body.grazing_m = 0.04;
   const std::vector<std::string> missed = SelfFilterLimits().missed(run(config));
   EXPECT_EQ(missed, std::vector<std::string>{"scene_removed"});
 }

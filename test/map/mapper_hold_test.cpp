@@ -25,9 +25,9 @@ Mapper::Config config() {
   config.map.grid.size_x_m = config.map.grid.size_y_m = 0.2;
   config.map.returns_max = 10000;
   config.map.intervals_max = 1000;
-  config.held_max = 1000;
+  config.hold.intervals_max = 1000;
   config.window_scans = kWindow;
-  config.hold_s = 1.0;
+  config.hold.longest_s = 1.0;
   return config;
 }
 
@@ -155,7 +155,7 @@ std::vector<Look> allAround(double share) {
 
 TEST(MapperHoldTest, NextToTheRobotAPlaceIsLetGoOfOnceItIsLookedThroughAllAroundIt) {
   Mapper::Config wide = config();
-  wide.hold_outline_rad = 0.15;
+  wide.hold.outline_rad = 0.15;
   Feed feed(wide);
   feed.scan({to(kPlace)});
   feed.scan({}, kWindow);
@@ -189,7 +189,7 @@ TEST(MapperHoldTest, ItIsHeldForHoldSecondsAtMost) {
 
 TEST(MapperHoldTest, WithoutHoldingItIsGoneAtOnce) {
   Mapper::Config off = config();
-  off.hold_s = 0.0;
+  off.hold.longest_s = 0.0;
   Feed feed(off);
   feed.scan({to(kPlace)});
   feed.scan({}, kWindow);
@@ -218,7 +218,7 @@ TEST(MapperHoldTest, WhatTheRobotTakesIsNotHeld) {
 
 TEST(MapperHoldTest, WhereMoreIsToBeHeldThanThereIsRoomForTheMapIsNotToBeTrusted) {
   Mapper::Config tight = config();
-  tight.held_max = 1;
+  tight.hold.intervals_max = 1;
   Feed feed(tight);
   feed.scan({to(kPlace), to(kElsewhere)});
   feed.scan({}, kWindow);
@@ -242,7 +242,7 @@ Occupied occupiedBy(const CuboidMap& map, bool held) {
 
 TEST(MapperHoldTest, RandomStreamsLeaveTheLiveMapAsItIsWithoutHoldingAndApartFromWhatIsHeld) {
   Mapper::Config off = config();
-  off.hold_s = 0.0;
+  off.hold.longest_s = 0.0;
   Feed holding, plain(off);
   test::Random random(5);
   std::size_t most = 0;

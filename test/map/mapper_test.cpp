@@ -35,7 +35,7 @@ Mapper::Config smallMap() {
   config.map.grid.size_x_m = config.map.grid.size_y_m = 0.2;
   config.map.returns_max = 10000;
   config.map.intervals_max = 1000;
-  config.hold_s = 0.0;
+  config.hold.longest_s = 0.0;
   return config;
 }
 

@@ -51,6 +51,7 @@ class Table {
     for (int i = 0; i < windows * kPeriod; ++i) scan();
   }
   void scan() {
+    if (scans_ > 0) ages_.follow(mapper_.map(), mapper_.looks());
     const int phase = scans_ % kPeriod;
     const double part = phase < kStroke ? phase + 0.5 : kPeriod - phase - 0.5;
     const Eigen::AngleAxisd down(M_PI / 180.0 * (34.0 + 24.0 * part / kStroke), Vector3::UnitY());
@@ -68,6 +69,7 @@ class Table {
   }
   const CuboidMap& map() {
     mapper_.snapshot(map_);
+    ages_.apply(mapper_.map(), map_);
     return map_;
   }
   /// The dyn of the live cuboids that fulfil a condition on their box.
@@ -91,6 +93,7 @@ class Table {
   }
 
   Mapper mapper_;
+  PlaceAges ages_{mapper_.map()};
   CuboidMap map_;
   int scans_ = 0;
   std::mt19937 engine_{7};
@@ -221,20 +224,6 @@ TEST(PlaceAgesTest, AMapThatIsClearedKnowsNothing) {
   table.mapper().clear();
   table.watch(1);
   EXPECT_EQ(countFrom(2, table.dyn(isAnything)), 0U);
-}
-
-TEST(PlaceAgesTest, WhetherTheMapperIsToldToSettleMakesNoDifference) {
-  Table told, untold;
-  for (int i = 0; i < 5 * kPeriod; ++i) {
-    if (i == 3 * kPeriod) told.things = untold.things = {kBlock};
-    told.scan();
-    untold.scan();
-    if (i % 7 == 0) {
-      ASSERT_EQ(told.dyn(isAnything), untold.dyn(isAnything)) << "scan " << i;
-    }
-    told.mapper().settle();
-  }
-  EXPECT_GT(countFrom(3, told.dyn(isAnything)), 100U);
 }
 
 TEST(PlaceAgesTest, ThinReturnsAgeAsThickOnes) {

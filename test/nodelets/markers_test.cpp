@@ -73,20 +73,13 @@ TEST_F(CuboidMarkerTest, EveryTriangleLooksOutwards) {
   }
 }
 
-TEST_F(CuboidMarkerTest, ColoursTellStaticDynamicCollisionAndOcclusionApart) {
+TEST_F(CuboidMarkerTest, ColoursTellStaticAndDynamicApart) {
   map_.cuboids[0].dyn = kStatic;
   const auto fixed = colour();
   EXPECT_GT(fixed[1], std::max(fixed[0], fixed[2])) << "static is green";
   map_.cuboids[0].dyn = kStatic - 1;
   const auto moving = colour();
   EXPECT_GT(moving[0], 2.0F * std::max(moving[1], moving[2])) << "dynamic is red";
-  map_.cuboids[0].col = tccm_monitor::Cuboid::COLLISION;
-  const auto collision = colour();
-  EXPECT_GT(std::min(collision[0], collision[2]), 0.5F) << "collision is magenta";
-  EXPECT_LT(collision[1], 0.2F);
-  map_.cuboids[0].col = tccm_monitor::Cuboid::OCCLUSION;
-  const auto occlusion = colour();
-  EXPECT_GT(occlusion[2], 2.0F * std::max(occlusion[0], occlusion[1])) << "occlusion is blue";
 }
 
 TEST_F(CuboidMarkerTest, HeldCuboidsAreVioletAndTranslucentInANamespaceOfTheirOwn) {
@@ -101,10 +94,6 @@ TEST_F(CuboidMarkerTest, HeldCuboidsAreVioletAndTranslucentInANamespaceOfTheirOw
   const auto violet = colour(CuboidLayer::kHeld);
   EXPECT_GT(violet[2], violet[0]);
   EXPECT_GT(violet[0], violet[1]);
-  map_.cuboids[0].col = tccm_monitor::Cuboid::COLLISION;
-  const auto collision = colour(CuboidLayer::kHeld);
-  EXPECT_GT(std::min(collision[0], collision[2]), 0.5F) << "magenta, as a live one";
-  EXPECT_LT(collision[1], 0.2F);
 }
 
 TEST_F(CuboidMarkerTest, LiveCuboidsAreNotAmongTheHeld) {
@@ -186,6 +175,12 @@ TEST_F(RobotMarkerTest, WhatIsTouchedFirstAndWhatIsExemptAreShown) {
   EXPECT_NEAR(first.pose.position.x, map.grid.centre(cell).x(), 1e-9);
   EXPECT_NEAR(first.pose.position.z, 0.5, 1e-9);
   EXPECT_NEAR(first.scale.z, 0.11, 1e-6);
+  ASSERT_EQ(by_namespace.count("flagged cuboids"), 1U);
+  const Marker& flagged = by_namespace["flagged cuboids"];
+  ASSERT_EQ(flagged.points.size(), 72U) << "it alone, touched now and ahead";
+  ASSERT_EQ(flagged.colors.size(), flagged.points.size());
+  EXPECT_GT(flagged.colors[0].r, 0.3F) << "magenta";
+  EXPECT_LT(flagged.colors[0].g, 0.1F);
   ASSERT_EQ(by_namespace.count("exemptions"), 1U);
   EXPECT_NEAR(by_namespace["exemptions"].pose.position.y, -0.9, 1e-9);
   EXPECT_NEAR(by_namespace["exemptions"].scale.z, 0.6, 1e-9);
@@ -328,7 +323,7 @@ TEST_F(RobotMarkerTest, TheOcclusionImageShowsLinksAndWhatHidesThem) {
   CuboidMap map = scene();
   sensor_msgs::Image image;
   judge(map);
-  toImage(checker_.poseCheckNow().occlusion().picture(), image);
+  toImage(checker_.checkHere().occlusion().picture(), image);
   ASSERT_EQ(image.encoding, sensor_msgs::image_encodings::RGB8);
   ASSERT_EQ(image.data.size(), std::size_t{3} * image.width * image.height);
   const auto pixels = [&image](bool blue) {
@@ -344,7 +339,7 @@ TEST_F(RobotMarkerTest, TheOcclusionImageShowsLinksAndWhatHidesThem) {
   test::addBlock(map, UprightBox(Vector3(0.2, -0.2, 1.0), Vector3(0.4, 0.2, 1.1)));
   test::lookAround(map);
   EXPECT_EQ(judge(map).reason, Reason::kOcclusion);
-  toImage(checker_.poseCheckNow().occlusion().picture(), image);
+  toImage(checker_.checkHere().occlusion().picture(), image);
   EXPECT_GT(pixels(true), 0U);
 }
 

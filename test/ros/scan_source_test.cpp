@@ -48,7 +48,7 @@ class ScanSourceTest : public ::testing::Test {
     return {settings_, roots, history_};
   }
 
-  AssemblerSettings settings_;
+  AssemblerConfig settings_;
   tf2::BufferCore buffer_;
   TransformHistory history_{buffer_, fromSeconds(0.1), fromSeconds(10.0)};
 };

@@ -5,7 +5,7 @@
 #include <limits>
 #include <memory>
 
-#include "check/checker.h"
+#include "check/checker_config.h"
 #include "support/cuboid_scene.h"
 #include "support/look_around.h"
 #include "support/tiny_robot.h"
@@ -26,7 +26,7 @@ class CheckerFixture : public ::testing::Test {
   CheckerFixture() {
     config_.pose.collision_use.expansion.padding_m = 0.04;
     config_.way.stop_time_s = config_.way.horizon_s;
-    config_.way.reaction_time_s = 0.0;
+    config_.braking.reaction_time_s = 0.0;
     config_.permission.hold_until_reset = false;
     config_.permission.release_checks = 1;
     clear_.viewpoint = Vector3(0.0, 0.0, 1.5);

@@ -1,6 +1,6 @@
 /// Levels by time to contact, through the Checker that acts on them.
 
-#include "check/way_ahead.h"
+#include "check/contact_judge.h"
 
 #include <cmath>
 
@@ -14,10 +14,11 @@ using test::at;
 using test::kStart;
 
 /// The hand is a ball; padded it touches the post from a slide of 0.71 m on.
-class WayAheadTest : public test::CheckerFixture {
+class ContactJudgeTest : public test::CheckerFixture {
  protected:
-  WayAheadTest() {
+  ContactJudgeTest() {
     config_.way = {};
+    config_.braking = {};
     config_.permission.speed_scale_rise_per_s = 1000.0;
     config_.inputs.joint_timeout_s = 1.0;
     remake();
@@ -35,7 +36,7 @@ class WayAheadTest : public test::CheckerFixture {
   }
 };
 
-TEST_F(WayAheadTest, ANearContactStopsAndAFarOneSlowsDown) {
+TEST_F(ContactJudgeTest, ANearContactStopsAndAFarOneSlowsDown) {
   // 0.3 s, 0.02 s of reaction, and 0.1 s for braking from 0.4 m/s at 2 m/s^2.
   const Verdict& near = touchingIn(0.40);
   EXPECT_EQ(near.reason, Reason::kCollisionAhead);
@@ -51,7 +52,7 @@ TEST_F(WayAheadTest, ANearContactStopsAndAFarOneSlowsDown) {
   EXPECT_LT(far.speed_scale, 0.8);
 }
 
-TEST_F(WayAheadTest, TheNearerTheContactTheSlower) {
+TEST_F(ContactJudgeTest, TheNearerTheContactTheSlower) {
   double last = 0.0;
   for (const double time_s : {0.44, 0.46, 0.48, 0.495}) {
     const double scale = touchingIn(time_s).speed_scale;
@@ -60,7 +61,7 @@ TEST_F(WayAheadTest, TheNearerTheContactTheSlower) {
   }
 }
 
-TEST_F(WayAheadTest, TheFirstContactIsToldWithTimeDistanceLinkAndCuboid) {
+TEST_F(ContactJudgeTest, TheFirstContactIsToldWithTimeDistanceLinkAndCuboid) {
   const Verdict& verdict = touchingIn(0.25);
   ASSERT_TRUE(verdict.first_contact);
   const WayContact& first = *verdict.first_contact;
@@ -73,18 +74,18 @@ TEST_F(WayAheadTest, TheFirstContactIsToldWithTimeDistanceLinkAndCuboid) {
   EXPECT_FALSE(verdict.now.collision);
 }
 
-TEST_F(WayAheadTest, AFasterLinkStopsEarlier) {
+TEST_F(ContactJudgeTest, AFasterLinkStopsEarlier) {
   EXPECT_EQ(touchingIn(0.46, 0.4).level, Level::kSlow);
   EXPECT_EQ(touchingIn(0.46, 0.8).level, Level::kStop) << "braking takes 0.2 s";
 }
 
-TEST_F(WayAheadTest, LatencyStopsEarlier) {
+TEST_F(ContactJudgeTest, LatencyStopsEarlier) {
   latency_s_ = 0.1;
   EXPECT_EQ(touchingIn(0.46).level, Level::kStop);
 }
 
 /// Beside the post, in passing.
-TEST_F(WayAheadTest, WhatOnlyTheMarginForItsSpeedTouchesSlowsDown) {
+TEST_F(ContactJudgeTest, WhatOnlyTheMarginForItsSpeedTouchesSlowsDown) {
   CuboidMap wall = clear_;
   // The hand moves along x at y = 0; the padded ball's side is at y = 0.09.
   test::addBlock(wall, {Vector3(-0.5, 0.101, 0.3), Vector3(1.2, 0.2, 0.7)});
@@ -99,13 +100,13 @@ TEST_F(WayAheadTest, WhatOnlyTheMarginForItsSpeedTouchesSlowsDown) {
   EXPECT_TRUE(fast.first_contact->by_margin);
 }
 
-TEST_F(WayAheadTest, TheAgeOfTheJointStatesCountsAsLatency) {
+TEST_F(ContactJudgeTest, TheAgeOfTheJointStatesCountsAsLatency) {
   EXPECT_EQ(touchingIn(0.46).level, Level::kSlow);
   setMap(kStart + 0.07, post_);
   EXPECT_EQ(check(kStart + 0.07).level, Level::kStop);
 }
 
-TEST_F(WayAheadTest, ACommandedTrajectoryCountsAlthoughTheRobotStandsStill) {
+TEST_F(ContactJudgeTest, ACommandedTrajectoryCountsAlthoughTheRobotStandsStill) {
   feed(kStart, post_, 0.5);
   EXPECT_EQ(check(kStart).reason, Reason::kClear);
   EXPECT_EQ(checker_->command(at(kStart), {{"slide"}, {{1.0, {1.0}, {}, {}}}}), "");
@@ -118,7 +119,7 @@ TEST_F(WayAheadTest, ACommandedTrajectoryCountsAlthoughTheRobotStandsStill) {
   EXPECT_FALSE(check(kStart).collision);
 }
 
-TEST_F(WayAheadTest, OfVelocityAndTrajectoryTheWorseCounts) {
+TEST_F(ContactJudgeTest, OfVelocityAndTrajectoryTheWorseCounts) {
   feed(kStart, post_, 0.5, 0.6);
   EXPECT_EQ(checker_->command(at(kStart), {{"slide"}, {{1.0, {0.0}, {}, {}}}}), "");
   const Verdict& verdict = check(kStart);
@@ -126,7 +127,7 @@ TEST_F(WayAheadTest, OfVelocityAndTrajectoryTheWorseCounts) {
   EXPECT_NEAR(verdict.first_contact->time_s, 0.35, 0.05);
 }
 
-TEST_F(WayAheadTest, ATrajectoryThatIsNotUnderstoodStopsTheRobotUntilTheNext) {
+TEST_F(ContactJudgeTest, ATrajectoryThatIsNotUnderstoodStopsTheRobotUntilTheNext) {
   feed(kStart, clear_);
   checker_->command(at(kStart), {{"sldie"}, {{1.0, {1.0}, {}, {}}}});
   const Verdict& verdict = check(kStart);
@@ -137,7 +138,7 @@ TEST_F(WayAheadTest, ATrajectoryThatIsNotUnderstoodStopsTheRobotUntilTheNext) {
   EXPECT_EQ(check(kStart + 0.001).reason, Reason::kReleasing);
 }
 
-TEST_F(WayAheadTest, WhereTheCheckFailedNothingOfTheOneBeforeStandsIn) {
+TEST_F(ContactJudgeTest, WhereTheCheckFailedNothingOfTheOneBeforeStandsIn) {
   EXPECT_TRUE(touchingIn(0.25).first_contact);
   const Verdict& failed = checker_->fail(at(kStart + 0.01), {Reason::kInternal, "out of memory"});
   EXPECT_EQ(failed.reason, Reason::kInternal);
@@ -150,31 +151,35 @@ TEST_F(WayAheadTest, WhereTheCheckFailedNothingOfTheOneBeforeStandsIn) {
   EXPECT_NE(checker_->reset(), "") << "it lasts until a check succeeds";
 }
 
-TEST_F(WayAheadTest, AHiddenLinkOnlySlowsDownWhereThatIsConfigured) {
-  config_.occlusion_stops = false;
+TEST_F(ContactJudgeTest, AHiddenLinkOnlySlowsDownWhereThatIsConfigured) {
+  config_.occlusion.stops = false;
   remake();
   feedAndCheck(kStart - 1.0, clear_, 0.6);
   const Verdict& verdict = feedAndCheck(kStart, shelf_, 0.6);
   EXPECT_EQ(verdict.reason, Reason::kOcclusion);
   EXPECT_EQ(verdict.level, Level::kSlow);
   EXPECT_TRUE(verdict.occlusion);
-  EXPECT_NEAR(verdict.speed_scale, config_.occlusion_slow_scale, 1e-9);
+  EXPECT_NEAR(verdict.speed_scale, config_.occlusion.slow_scale, 1e-9);
 }
 
-TEST_F(WayAheadTest, ValuesOutOfRangeAreRefused) {
+TEST_F(ContactJudgeTest, ValuesOutOfRangeAreRefused) {
   const auto refused = [](auto member, double value) {
-    WayAhead::Config config;
-    config.*member = value;
-    EXPECT_THROW(config.validate(), ConfigError) << value;
+    Checker::Config config;
+    if constexpr (std::is_same_v<decltype(member), double Braking::*>) {
+      config.braking.*member = value;
+    } else {
+      config.way.*member = value;
+    }
+    EXPECT_THROW(static_cast<void>(validated(config)), ConfigError) << value;
   };
-  refused(&WayAhead::Config::horizon_s, -0.1);
-  refused(&WayAhead::Config::step_m, 0.0);
-  refused(&WayAhead::Config::reaction_time_s, -0.1);
-  refused(&WayAhead::Config::margin_max_m, -0.1);
-  refused(&WayAhead::Config::stop_time_s, std::nan(""));
-  refused(&WayAhead::Config::deceleration_mps2, 0.0);
-  refused(&WayAhead::Config::slow_scale_min, 1.1);
-  refused(&WayAhead::Config::moving_out_scale, -0.1);
+  refused(&ContactJudge::Config::horizon_s, -0.1);
+  refused(&ContactJudge::Config::step_m, 0.0);
+  refused(&Braking::reaction_time_s, -0.1);
+  refused(&Braking::margin_max_m, -0.1);
+  refused(&ContactJudge::Config::stop_time_s, std::nan(""));
+  refused(&Braking::deceleration_mps2, 0.0);
+  refused(&ContactJudge::Config::slow_scale_min, 1.1);
+  refused(&ContactJudge::Config::moving_out_scale, -0.1);
 }
 
 }  // namespace

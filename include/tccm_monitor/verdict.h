@@ -7,8 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "check/collision_check.h"
-#include "check/occlusion_check.h"
+#include "geometry/shape.h"
 #include "tccm_monitor/time.h"
 
 namespace tccm {
@@ -54,14 +53,32 @@ enum class Reason : std::uint8_t {
 struct Cause {
   Reason reason = Reason::kClear;
   Level level = Level::kOk;
-  std::string detail = {};  ///< one line for people: which link, joint, age
-  std::string link = {};    ///< the first link concerned, where there is one
+  std::string detail = {};   ///< one line for people: which link, joint, age
+  std::string link = {};     ///< the first link concerned, where there is one
+  double speed_scale = 1.0;  ///< at most, of the commanded speed
 
   Cause() = default;
+  /// At the reason's own level.
   Cause(Reason why, std::string text, std::string of_link = {})
-      : reason(why), level(levelOf(why)), detail(std::move(text)), link(std::move(of_link)) {}
-  Cause(Reason why, Level how_bad, std::string text, std::string of_link = {})
-      : reason(why), level(how_bad), detail(std::move(text)), link(std::move(of_link)) {}
+      : reason(why),
+        level(levelOf(why)),
+        detail(std::move(text)),
+        link(std::move(of_link)),
+        speed_scale(0.0) {}
+  /// Stops the robot, whatever the reason's own level is.
+  [[nodiscard]] static Cause stopping(Reason why, std::string text, std::string of_link) {
+    Cause cause(why, std::move(text), std::move(of_link));
+    cause.level = Level::kStop;
+    return cause;
+  }
+  /// Slows the robot down.
+  [[nodiscard]] static Cause slowing(Reason why, double speed_scale, std::string text,
+                                     std::string of_link) {
+    Cause cause(why, std::move(text), std::move(of_link));
+    cause.level = Level::kSlow;
+    cause.speed_scale = speed_scale;
+    return cause;
+  }
 
   [[nodiscard]] bool isWorseThan(const Cause& other) const {
     if (level != other.level) return level > other.level;
@@ -72,6 +89,21 @@ struct Cause {
   }
 };
 
+/// A primitive and a cuboid that have a point in common.
+struct Contact {
+  std::uint32_t shape;   ///< index into the body's shapes; of findings into the model's
+  std::uint32_t cuboid;  ///< index into the map's cuboids
+};
+
+/// How much of one link the sensor can see. The fractions are of its silhouette and add up to 1.
+struct LinkVisibility {
+  std::uint32_t link = 0;          ///< as the caller numbers links
+  double silhouette = 0.0;         ///< its share of the picture, in pixels at the horizon
+  double visible_fraction = 1.0;   ///< seen as far as to the link; 1 where it does not show at all
+  double occluded_fraction = 0.0;  ///< surroundings stand before it
+  double unseen_fraction = 0.0;    ///< nobody looked there, or the robot itself stood before it
+};
+
 /// What is found at one pose of the robot.
 struct PoseFindings {
   std::vector<Contact> contacts;
@@ -79,8 +111,6 @@ struct PoseFindings {
   std::vector<std::uint32_t> occluding_cuboids;  ///< indices into the map's cuboids
   bool collision = false;
   bool occlusion = false;
-  double collision_us = 0.0;  ///< wall time that the check took, forward kinematics included
-  double occlusion_us = 0.0;
 };
 
 /// The first contact along a way.
@@ -124,15 +154,44 @@ struct Verdict {
   std::optional<WayContact> first_contact;     ///< along all ways ahead; from now on, at 0 s
   bool follows_trajectory = false;             ///< a commanded trajectory is one of the ways
   std::size_t way_poses = 0;                   ///< looked at between now and the end
-  double way_us = 0.0;                         ///< wall time that the ways took
   std::vector<LinkClearance> clearances = {};  ///< of the links with collision primitives
-  double clearance_us = 0.0;
   /// Of all that the links go through until the horizon; 0 where nothing was placed.
   double unseen_fraction = 0.0;
-  double evidence_us = 0.0;
   /// Of the commanded speed: at more something that appears ahead would be seen too late; 1 where
   /// that limits nothing.
   double governed_scale = 1.0;
+};
+
+/// What became of a scan before it reached the map.
+struct ScanReport {
+  enum class Outcome { kWaiting, kAssembled, kDropped };
+  Time stamp;
+  Outcome outcome = Outcome::kWaiting;
+  std::string dropped = {};  ///< why: blind, future_stamp, no_transform ...
+};
+
+/// For a while a link may touch what lies in a region: to grasp, to dock.
+struct Exemption {
+  std::string owner;
+  std::string link;    ///< name, or a pattern that means one link
+  PlacedShape region;  ///< in the fixed frame
+  Time until;
+};
+
+/// May the robot be in a state?
+struct StateAnswer {
+  Cause cause;  ///< CLEAR: the pose is free
+  PoseFindings findings;
+};
+
+/// May the robot go along a trajectory?
+struct TrajectoryAnswer {
+  Cause cause;                       ///< CLEAR: all of it is free
+  std::optional<std::size_t> index;  ///< of the waypoint at the end of the stretch concerned
+  double time_s = 0.0;               ///< of the first violation, from the trajectory's start
+  std::optional<Contact> contact;
+  /// At each waypoint, of all links to the nearest cuboid [m]; infinite beyond the radius.
+  std::vector<double> clearances_m;
 };
 
 }  // namespace tccm

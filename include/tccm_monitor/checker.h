@@ -1,0 +1,121 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "map/cuboid_map.h"
+#include "robot/joint_states.h"
+#include "robot/joint_trajectory.h"
+#include "robot/robot_model.h"
+#include "tccm_monitor/verdict.h"
+
+namespace tccm {
+
+class CheckInputs;
+class EvidenceCheck;
+class PoseCheck;
+
+/// Wall times of a check's parts [us]; nothing that is decided depends on them.
+struct CheckTimes {
+  double collision_us =
+      0.0;  ///< at the present pose and at the end of the way, kinematics included
+  double occlusion_us = 0.0;
+  double way_us = 0.0;  ///< what lies between
+  double evidence_us = 0.0;
+  double clearance_us = 0.0;
+};
+
+/// Turns the newest map, joint states, root poses and commanded trajectories into a verdict,
+/// whenever it is asked and whatever is missing.
+class Checker {
+ public:
+  struct Config;
+
+  /// @throws ConfigError, also where the self-test does not find a link.
+  Checker(std::shared_ptr<const RobotModel> model, const Config& config);
+  ~Checker();
+  Checker(const Checker&) = delete;
+  Checker& operator=(const Checker&) = delete;
+
+  /// Other limits and checks from the next check on; how joint states are gathered stays.
+  /// @throws ConfigError, and nothing changes.
+  void reconfigure(const Config& config);
+  [[nodiscard]] const Config& config() const;
+
+  /// A message that is stamped in the future is dropped.
+  /// @return what was taken of it.
+  JointStates::Added addJoints(Time now, Time stamp, const std::vector<std::string>& names,
+                               const std::vector<double>& positions,
+                               const std::vector<double>& velocities);
+  /// One of the model's roots in the fixed frame. One that does not move (the same frame, or
+  /// static transforms alone) never grows old.
+  void setRootPose(std::size_t root, Time stamp, const Pose& T_fixed_root, bool is_static);
+  /// What becomes of scans. Where nothing reports it, maps alone tell.
+  void addScanReport(Time now, const ScanReport& report);
+  void setMap(Time now, std::shared_ptr<const CuboidMap> map);
+  /// What the arms were told to do. It takes the place of what was said of one of its joints; one
+  /// without points cancels. @return what is wrong with it, in one line; then the robot is stopped
+  /// until the next for any of its joints.
+  std::string command(Time now, const JointTrajectory& trajectory);
+  /// How long verdicts take, measured, from the moment when scan and transforms are there to the
+  /// publication: margins grow with it.
+  void setLatency(double seconds);
+  /// What the caller knows to be wrong or unknown, until it says otherwise; CLEAR: nothing.
+  void setOutsideCause(const Cause& cause);
+
+  /// The robot has something else in its hand from now on; an object of the same name is replaced.
+  /// @throws ConfigError, and nothing changes.
+  void attach(const AttachedObject& object);
+  /// @return false where no object has that name.
+  bool detach(const std::string& object);
+  [[nodiscard]] const std::vector<AttachedObject>& attached() const;
+  /// @throws ConfigError, and nothing changes. @param duration_s 0 ends one of the same owner.
+  void addExemption(Time now, const Exemption& exemption, double duration_s);
+  [[nodiscard]] const std::vector<Exemption>& exemptions() const;
+  /// Where a link is in the fixed frame; nothing where the model lacks it, or joints or root are
+  /// missing or too old.
+  [[nodiscard]] std::optional<Pose> linkPose(Time now, const std::string& link);
+  /// Where an object that is about to be attached is in the fixed frame.
+  /// @throws ConfigError where the model lacks its link, or joints or root are missing or too old.
+  [[nodiscard]] PlacedShape placeOf(Time now, const AttachedObject& object);
+
+  /// The reference is valid until the next call. @param now not before that of earlier calls.
+  const Verdict& check(Time now);
+  /// In place of a check that could not be made, or came to nothing.
+  const Verdict& fail(Time now, const Cause& cause);
+  /// Lifts what holds until it is reset. @return why not; empty where it is lifted.
+  [[nodiscard]] std::string reset();
+  /// As at the start: after time has jumped back.
+  void startAnew();
+
+  /// What a controller asks about: the same checks for a pose that the robot is not in. Joints that
+  /// are not named are taken where they are; one that the robot does not have, or a position that
+  /// is not finite, is answered with BAD_QUESTION.
+  [[nodiscard]] StateAnswer checkState(Time now, const std::vector<std::string>& names,
+                                       const std::vector<double>& positions);
+  /// The same of a whole way, between the waypoints as well.
+  [[nodiscard]] TrajectoryAnswer checkTrajectory(Time now, const JointTrajectory& trajectory);
+
+  /// With what it holds.
+  [[nodiscard]] const std::shared_ptr<const RobotModel>& model() const;
+  /// Joints that no joint state has named yet.
+  [[nodiscard]] std::vector<std::string> missingJoints() const;
+  [[nodiscard]] const CuboidMap* map() const;
+  /// Of the last check.
+  [[nodiscard]] const CheckTimes& times() const;
+
+  // For this package's own reports and pictures.
+  [[nodiscard]] CheckInputs& inputs();
+  [[nodiscard]] const CheckInputs& inputs() const;
+  [[nodiscard]] const EvidenceCheck& evidence() const;
+  [[nodiscard]] const PoseCheck& checkHere() const;
+  [[nodiscard]] const PoseCheck& checkAhead() const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace tccm

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "check/braking.h"
+#include "check/check_inputs.h"
+#include "check/checked_robot.h"
+#include "check/contact_judge.h"
+#include "check/evidence_check.h"
+#include "check/exemptions.h"
+#include "check/governed_speed.h"
+#include "check/occlusion_judge.h"
+#include "check/permission.h"
+#include "check/trajectory_check.h"
+#include "tccm_monitor/checker.h"
+
+namespace tccm {
+
+struct Checker::Config {
+  CheckedRobot::Config pose;
+  OcclusionJudge::Config occlusion;
+  CheckInputs::Config inputs;
+  Braking braking;
+  ContactJudge::Config way;
+  EvidenceCheck::Config evidence;
+  GovernedSpeed::Config governed_speed;
+  CommandedTrajectories::Config trajectories;
+  TrajectoryCheck::Config trajectory;
+  Permission::Config permission;
+  Exemptions::Config exemptions;
+  double clearance_radius_m = 0.2;
+
+  void describe(ParameterTable& table);
+  /// @throws ConfigError
+  void validate() const { pose.validate(); }
+};
+
+}  // namespace tccm

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "check/checker_config.h"
+#include "check/clearance_check.h"
+
+namespace tccm {
+
+/// Everything that is made for one model and configuration: what there is to know of the robot, and
+/// the judges that look at it.
+struct Judges {
+  std::shared_ptr<CheckedRobot> robot;
+  Kinematics kinematics_here, kinematics_ahead, kinematics_asked;
+  Ways ways;
+  PoseCheck here, ahead, asked;
+  ContactJudge contacts;
+  OcclusionJudge occlusion;
+  EvidenceCheck evidence;
+  GovernedSpeed governed_speed;
+  ClearanceCheck clearance;
+  TrajectoryCheck trajectory;
+
+  /// @throws ConfigError, also where the self-test does not find a link.
+  Judges(const std::shared_ptr<const RobotModel>& model, const Checker::Config& config);
+};
+
+struct Checker::Parts {
+  Parts(std::shared_ptr<const RobotModel> model, const Config& new_config);
+
+  /// The one door for what the robot holds and how it is checked.
+  /// @throws ConfigError, and nothing changes.
+  void renew(const Config& new_config, std::vector<AttachedObject> objects);
+  /// And for what it may touch.
+  void exempt();
+  const Verdict& check(Time now);
+  /// What the robot does and meets, once it can be placed.
+  void judge(Time now, const JointSnapshot& joints);
+  void decide(Time now);
+  void forgetFindings();
+  void startAnew();
+  /// Without what is attached to it, but `name`.
+  [[nodiscard]] std::vector<AttachedObject> attachedBut(const std::string& name) const;
+  [[nodiscard]] const RobotModel& model() const { return judges.robot->model(); }
+  /// The worst of what is missing, late or wrong; CLEAR where nothing is.
+  [[nodiscard]] Cause fault(Time now);
+
+  Config config;
+  std::shared_ptr<const RobotModel> bare_model;  ///< with empty hands
+  std::vector<AttachedObject> attached;
+  CheckInputs inputs;
+  CommandedTrajectories commanded;
+  Exemptions exemptions;
+  Permission permission;
+  Judges judges;
+  Permission::Findings findings;  ///< of this check
+  Cause outside;
+  bool started = false;
+  Verdict verdict;
+  CheckTimes times;
+};
+
+}  // namespace tccm

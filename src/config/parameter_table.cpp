@@ -1,0 +1,167 @@
+#include "config/parameter_table.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "tccm_monitor/config_error.h"
+
+namespace tccm {
+namespace {
+
+std::string flowText(const YAML::Node& node) {
+  YAML::Emitter emitter;
+  emitter << YAML::Flow << node;
+  return emitter.c_str();
+}
+
+/// What a member takes, for errors.
+struct TypeName {
+  const char* operator()(const bool*) const { return "true or false"; }
+  const char* operator()(const int*) const { return "a whole number"; }
+  const char* operator()(const std::size_t*) const { return "a whole number of at least 0"; }
+  const char* operator()(const double*) const { return "a number"; }
+  const char* operator()(const std::optional<double>*) const { return "a number"; }
+  const char* operator()(const std::string*) const { return "a text"; }
+  const char* operator()(const ParameterTable::Names*) const { return "a list of texts"; }
+  const char* operator()(const std::map<std::string, double>*) const {
+    return "a map of names and numbers";
+  }
+  const char* operator()(const std::map<std::string, ParameterTable::Names>*) const {
+    return "a map of names and lists of texts";
+  }
+};
+
+struct Take {
+  const YAML::Node& node;
+  template <typename T>
+  void operator()(T* member) const {
+    *member = node.as<T>();
+  }
+  void operator()(std::optional<double>* member) const { *member = node.as<double>(); }
+};
+
+struct NumberOf {
+  template <typename T>
+  std::optional<double> operator()(const T* member) const {
+    if constexpr (std::is_arithmetic_v<T>) {
+      return static_cast<double>(*member);
+    } else {
+      return std::nullopt;
+    }
+  }
+  std::optional<double> operator()(const std::optional<double>* member) const { return *member; }
+};
+
+std::string numberText(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.15g", value);
+  return text;
+}
+
+struct Text {
+  std::string operator()(const bool* value) const { return *value ? "true" : "false"; }
+  std::string operator()(const int* value) const { return std::to_string(*value); }
+  std::string operator()(const std::size_t* value) const { return std::to_string(*value); }
+  std::string operator()(const double* value) const {
+    const std::string text = numberText(*value);
+    return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
+  }
+  std::string operator()(const std::optional<double>* value) const {
+    return *value ? (*this)(&**value) : "~";
+  }
+  std::string operator()(const std::string* value) const {
+    return value->empty() ? "\"\"" : *value;
+  }
+  template <typename Container>
+  std::string operator()(const Container* value) const {
+    const bool is_list = std::is_same_v<Container, ParameterTable::Names>;
+    if (value->empty()) return is_list ? "[]" : "{}";
+    YAML::Node node;
+    node = *value;
+    return flowText(node);
+  }
+};
+
+std::string rangeText(const ParameterTable::Row& row) {
+  if (row.range.highest == Range().highest) return "";
+  return numberText(row.range.lowest) + " to " + numberText(row.range.highest);
+}
+
+}  // namespace
+
+std::string textOf(const ParameterTable::Member& member) { return std::visit(Text(), member); }
+
+ParameterTable::Names ParameterTable::load(const YAML::Node& node, const std::string& owner) {
+  Names unknown;
+  if (!node || node.IsNull()) return unknown;
+  if (!node.IsMap()) throw ConfigError(owner + ": its parameters are no map of keys and values");
+  const auto refuse = [&](const std::string& key, const YAML::Node& value, const char* type) {
+    throw ConfigError(owner + "/" + key + ": " + flowText(value) + " is not " + type);
+  };
+  for (const Row& row : rows_) {
+    const YAML::Node value = node[row.key];
+    if (!value) continue;
+    try {
+      std::visit(Take{value}, row.member);
+    } catch (const YAML::Exception&) {
+      refuse(row.key, value, std::visit(TypeName(), row.member));
+    }
+  }
+  for (const List& list : lists_) {
+    const YAML::Node value = node[list.key];
+    if (!value) continue;
+    if (!value.IsSequence()) refuse(list.key, value, "a list of maps");
+    std::vector<ParameterTable> tables = list.resize(value.size());
+    for (std::size_t i = 0; i < tables.size(); ++i) {
+      const std::string entry = owner + "/" + list.key + "[" + std::to_string(i) + "]";
+      const Names slips = tables[i].load(value[i], entry);
+      if (!slips.empty()) {
+        throw ConfigError(entry + "/" + slips.front() + ": there is no such parameter");
+      }
+    }
+  }
+  for (const auto& entry : node) {
+    const auto key = entry.first.as<std::string>();
+    const auto is_it = [&key](const auto& row) { return row.key == key; };
+    if (std::none_of(rows_.begin(), rows_.end(), is_it) &&
+        std::none_of(lists_.begin(), lists_.end(), is_it)) {
+      unknown.push_back(key);
+    }
+  }
+  return unknown;
+}
+
+void ParameterTable::requireRanges() const {
+  for (const Row& row : rows_) {
+    const auto number = std::visit(NumberOf(), row.member);
+    if (number) requireInRange(row.key, *number, row.range.lowest, row.range.highest);
+  }
+}
+
+std::string ParameterTable::yaml() const {
+  std::string text;
+  for (const Row& row : rows_) {
+    text += "  " + row.key + ": " + textOf(row.member) + "  # " + row.meaning + "\n";
+  }
+  for (const List& list : lists_) text += "  " + list.key + ": []  # " + list.meaning + "\n";
+  return text;
+}
+
+std::string ParameterTable::markdown() const {
+  std::string text =
+      "| parameter | default | unit | range | tunable | meaning |\n"
+      "|---|---|---|---|---|---|\n";
+  for (const Row& row : rows_) {
+    text += "| `" + row.key + "` | `" + textOf(row.member) + "` | " + row.unit + " | " +
+            rangeText(row) + " | " + (row.tunable == Tunable::kYes ? "yes" : "") + " | " +
+            row.meaning + " |\n";
+  }
+  for (const List& list : lists_) {
+    text += "| `" + list.key + "` | `[]` | | | | " + list.meaning + " |\n";
+  }
+  return text;
+}
+
+}  // namespace tccm

@@ -1,0 +1,103 @@
+#pragma once
+
+#include <string>
+
+#include "monitor.h"
+
+namespace tccm {
+
+// What each nodelet is configured with, and what all have to know of the robot: a section of a YAML
+// file, or a private namespace of the parameter server.
+
+struct AssemblerConfig {
+  std::string fixed_frame = "base_link";
+  ScanStage::Config scan;
+  double transform_gap_max_s = 0.1;
+  double transform_sample_s = 0.004;
+  double transform_wait_max_s = 0.5;
+  double marker_rate_hz = 10.0;
+
+  void describe(ParameterTable& table);
+  /// @throws ConfigError
+  void validate() const;
+};
+
+struct MapperConfig {
+  Mapper::Config mapper;
+  double marker_rate_hz = 5.0;
+  int static_windows = 3;
+
+  void describe(ParameterTable& table);
+  /// @throws ConfigError
+  void validate() const { mapper.validate(); }
+};
+
+struct CheckerConfig {
+  std::string fixed_frame = "base_link";
+  Checker::Config checker;
+  double publish_rate_hz = 50.0;
+  double permission_valid_periods = 2.5;
+  double check_time_max_periods = 2.0;
+  double tuning_padding_min_m = 0.01;
+  double tuning_stop_time_min_s = 0.1;
+  double marker_rate_hz = 10.0;
+  double attach_forget_padding_m = 0.08;
+  double attach_forget_s = 0.2;
+
+  void describe(ParameterTable& table);
+  /// @throws ConfigError
+  void validate() const;
+};
+
+/// Where the offline programs find messages in a bag; nodelets are remapped instead.
+struct TopicConfig {
+  std::string scan = "/scan";
+  std::string joint_states = "/joint_states";
+
+  void describe(ParameterTable& table);
+};
+
+/// All of it.
+struct MonitorConfig {
+  RobotModel::Config robot;
+  AssemblerConfig assembler;
+  MapperConfig mapper;
+  CheckerConfig checker;
+  TopicConfig topics;
+
+  /// What the core takes of it.
+  [[nodiscard]] Monitor::Config monitor() const {
+    return {assembler.scan, mapper.mapper, checker.checker};
+  }
+  /// Calls visit(name, config, meaning) for each section.
+  template <typename Visit>
+  void visitSections(Visit&& visit) {
+    visit("topics", topics,
+          "where the offline programs find these in a bag; nodelets are remapped instead");
+    visit(kRobotSection, robot, "what all nodelets have to know of the robot");
+    visit("tilt_scan_assembler", assembler, "private parameters of the nodelet TiltScanAssembler");
+    visit("tccm_mapper", mapper, "private parameters of the nodelet TccmMapper");
+    visit("collision_checker", checker, "private parameters of the nodelet CollisionChecker");
+  }
+  /// Name of the section, and of the namespace, that all nodelets share.
+  static constexpr const char* kRobotSection = "monitored_robot";
+};
+
+/// Takes what a section or namespace sets.
+/// @return the keys that nothing reads: slips, most likely. @throws ConfigError naming the key.
+template <typename Config>
+ParameterTable::Names load(const YAML::Node& node, const std::string& owner, Config& config) {
+  ParameterTable::Names unknown = tableOf(config).load(node, owner);
+  static_cast<void>(validated(config));
+  return unknown;
+}
+
+/// A whole YAML file. @param path empty: all defaults.
+/// @throws ConfigError, also for a key that nothing reads.
+[[nodiscard]] MonitorConfig readMonitorConfig(const std::string& path);
+
+/// What stands in config/default.yaml and in docs/parameters.md.
+[[nodiscard]] std::string defaultYaml();
+[[nodiscard]] std::string parametersPage();
+
+}  // namespace tccm

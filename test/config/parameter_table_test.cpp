@@ -1,0 +1,186 @@
+#include "config/parameter_table.h"
+
+#include <gtest/gtest.h>
+#include <yaml-cpp/yaml.h>
+
+#include <functional>
+#include <limits>
+
+#include "tccm_monitor/config_error.h"
+
+namespace tccm {
+namespace {
+
+using Names = ParameterTable::Names;
+
+std::string errorOf(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "nothing was thrown";
+}
+
+template <typename T>
+T readOne(const std::string& yaml, T value) {
+  ParameterTable table;
+  table.add("key", &value, "a value");
+  table.load(YAML::Load(yaml), "a_nodelet");
+  return value;
+}
+
+TEST(ParameterTableTest, EveryTypeIsRead) {
+  EXPECT_TRUE(readOne("key: true", false));
+  EXPECT_EQ(readOne("key: -3", 0), -3);
+  EXPECT_EQ(readOne("key: 7", std::size_t{0}), 7U);
+  EXPECT_EQ(readOne("key: 0.25", 0.0), 0.25);
+  EXPECT_EQ(readOne("key: hand", std::string()), "hand");
+  const Names links{"a", "b*"};
+  EXPECT_EQ(readOne("key: [a, 'b*']", Names()), links);
+  EXPECT_TRUE(readOne("key: []", links).empty());
+}
+
+TEST(ParameterTableTest, AWholeNumberDoesForANumber) { EXPECT_EQ(readOne("key: 2", 0.5), 2.0); }
+
+TEST(ParameterTableTest, WhatIsNotSetKeepsItsDefault) {
+  EXPECT_EQ(readOne("other: 1", 0.5), 0.5);
+  EXPECT_EQ(readOne("", 42), 42);
+  EXPECT_EQ(readOne("{}", std::string("default")), "default");
+}
+
+TEST(ParameterTableTest, AWrongTypeIsRefusedNamingNodeletKeyAndValue) {
+  EXPECT_EQ(errorOf([] { readOne("key: soon", 0.5); }), "a_nodelet/key: soon is not a number");
+  EXPECT_EQ(errorOf([] { readOne("key: 1.5", 0); }), "a_nodelet/key: 1.5 is not a whole number");
+  EXPECT_EQ(errorOf([] { readOne("key: [1, 2]", 0.5); }), "a_nodelet/key: [1, 2] is not a number");
+  EXPECT_EQ(errorOf([] { readOne("key: maybe", false); }),
+            "a_nodelet/key: maybe is not true or false");
+  EXPECT_EQ(errorOf([] { readOne("key: hand", Names()); }),
+            "a_nodelet/key: hand is not a list of texts");
+  EXPECT_EQ(errorOf([] { readOne("key: {a: 1}", std::string()); }),
+            "a_nodelet/key: {a: 1} is not a text");
+  EXPECT_EQ(errorOf([] { readOne("key: -1", std::size_t{0}); }),
+            "a_nodelet/key: -1 is not a whole number of at least 0");
+}
+
+TEST(ParameterTableTest, AKeyWithoutAValueIsRefused) {
+  EXPECT_NE(errorOf([] { readOne("key:", 0.5); }).find("a_nodelet/key"), std::string::npos);
+}
+
+TEST(ParameterTableTest, KeysThatNoRowHasAreReturned) {
+  double horizon = 0.0;
+  ParameterTable table;
+  table.add("horizon_s", &horizon, "how far");
+  table.add("not_set", &horizon, "nothing");
+  EXPECT_EQ(table.load(YAML::Load("{horizon_s: 0.5, horizont_s: 1.0, colour: red}"), "a_nodelet"),
+            (Names{"horizont_s", "colour"}));
+  EXPECT_TRUE(table.load(YAML::Load("{}"), "a_nodelet").empty());
+}
+
+TEST(ParameterTableTest, WhatIsNoMapIsRefused) {
+  EXPECT_NE(errorOf([] { readOne("[1, 2]", 0); }).find("a_nodelet"), std::string::npos);
+  EXPECT_NE(errorOf([] { readOne("0.5", 0); }).find("a_nodelet"), std::string::npos);
+}
+
+TEST(ParameterTableTest, ANumberThatMayBeAbsentIsAbsentWhereItIsNotSet) {
+  EXPECT_EQ(readOne("key: 0.25", std::optional<double>()), 0.25);
+  EXPECT_EQ(readOne("key: 0", std::optional<double>()), 0.0);
+  EXPECT_EQ(readOne("other: 1", std::optional<double>()), std::nullopt);
+  EXPECT_EQ(errorOf([] { readOne("key: wide", std::optional<double>()); }),
+            "a_nodelet/key: wide is not a number");
+}
+
+TEST(ParameterTableTest, MapsAreRead) {
+  using Numbers = std::map<std::string, double>;
+  using Lists = std::map<std::string, Names>;
+  EXPECT_EQ(readOne("key: {torso: 0.1, lid: 2}", Numbers()), (Numbers{{"torso", 0.1}, {"lid", 2}}));
+  EXPECT_TRUE(readOne("key: {}", Numbers{{"torso", 0.1}}).empty()) << "set, and empty";
+  EXPECT_EQ(errorOf([] { readOne("key: {torso: up}", Numbers()); }),
+            "a_nodelet/key: {torso: up} is not a map of names and numbers");
+  EXPECT_EQ(errorOf([] { readOne("key: [torso, 1]", Numbers()); }),
+            "a_nodelet/key: [torso, 1] is not a map of names and numbers");
+  EXPECT_EQ(readOne("key: {arm: ['upper_*', lower], none: []}", Lists()),
+            (Lists{{"arm", {"upper_*", "lower"}}, {"none", {}}}));
+  EXPECT_EQ(errorOf([] { readOne("key: {arm: upper}", Lists()); }),
+            "a_nodelet/key: {arm: upper} is not a map of names and lists of texts");
+}
+
+struct Entry {
+  Names links;
+  double padding_m = 0.5;
+  void describe(ParameterTable& table) {
+    table.add("links", &links, "which");
+    table.add("padding_m", &padding_m, "m", {0.0, 1.0}, "how much");
+  }
+};
+
+std::vector<Entry> entriesOf(const std::string& yaml) {
+  std::vector<Entry> entries{{{"old"}, 0.1}};
+  ParameterTable table;
+  table.addList("key", entries, "some");
+  table.load(YAML::Load(yaml), "a_nodelet");
+  return entries;
+}
+
+TEST(ParameterTableTest, TheEntriesOfAListAreDescribedOneByOne) {
+  const auto entries = entriesOf("key: [{links: [a]}, {padding_m: 0.2}]");
+  ASSERT_EQ(entries.size(), 2U);
+  EXPECT_EQ(entries[0].links, Names{"a"});
+  EXPECT_EQ(entries[1].padding_m, 0.2);
+  EXPECT_EQ(entriesOf("other: 1").size(), 1U) << "not set";
+  EXPECT_TRUE(entriesOf("key: []").empty());
+}
+
+TEST(ParameterTableTest, WhatIsNoListOfEntriesIsRefusedNamingTheEntry) {
+  EXPECT_EQ(errorOf([] { entriesOf("key: 3"); }), "a_nodelet/key: 3 is not a list of maps");
+  EXPECT_EQ(errorOf([] { entriesOf("key: {links: [a]}"); }),
+            "a_nodelet/key: {links: [a]} is not a list of maps");
+  EXPECT_NE(errorOf([] { entriesOf("key: [{padding_m: 0.1}, 2]"); }).find("a_nodelet/key[1]"),
+            std::string::npos);
+  EXPECT_EQ(errorOf([] { entriesOf("key: [{}, {padding_m: big}]"); }),
+            "a_nodelet/key[1]/padding_m: big is not a number");
+  EXPECT_EQ(errorOf([] { entriesOf("key: [{colour: red}]"); }),
+            "a_nodelet/key[0]/colour: there is no such parameter");
+}
+
+TEST(ParameterTableTest, AValueOutOfItsRangeIsRefusedNamingKeyValueAndRange) {
+  for (const double bad : {-0.1, 1.1, std::numeric_limits<double>::quiet_NaN(),
+                           std::numeric_limits<double>::infinity()}) {
+    Entry entry{{}, bad};
+    const std::string error = errorOf([&] { static_cast<void>(validated(entry)); });
+    EXPECT_NE(error.find("padding_m: "), std::string::npos) << error;
+    EXPECT_NE(error.find("[0, 1]"), std::string::npos) << error;
+  }
+  EXPECT_NO_THROW(static_cast<void>(validated(Entry{{}, 1.0})));
+}
+
+TEST(ParameterTableTest, EachRowIsALineOfYamlAndOfThePage) {
+  Entry entry;
+  bool stops = true;
+  ParameterTable table = tableOf(entry);
+  table.add("stops", &stops, "whether it stops", Tunable::kYes);
+  EXPECT_EQ(table.yaml(),
+            "  links: []  # which\n  padding_m: 0.5  # how much\n"
+            "  stops: true  # whether it stops\n");
+  const std::string page = table.markdown();
+  EXPECT_NE(page.find("| `padding_m` | `0.5` | m | 0 to 1 |  | how much |\n"), std::string::npos)
+      << page;
+  EXPECT_NE(page.find("| `stops` | `true` |  |  | yes | whether it stops |\n"), std::string::npos);
+}
+
+TEST(ParameterTableTest, DefaultsReadBackAreTheSame) {
+  double tiny = 2e-4;
+  std::size_t large = 400000;
+  double whole = 2.0;
+  ParameterTable table;
+  table.add("tiny", &tiny, "");
+  table.add("large", &large, "");
+  table.add("whole", &whole, "");
+  const YAML::Node node = YAML::Load("a:\n" + table.yaml())["a"];
+  EXPECT_EQ(node["tiny"].as<double>(), tiny);
+  EXPECT_EQ(node["large"].as<std::size_t>(), large);
+  EXPECT_EQ(node["whole"].as<std::string>(), "2.0");
+}
+
+}  // namespace
+}  // namespace tccm
