@@ -39,7 +39,7 @@ TEST(HoverTrialTest, WithoutHoldingWhatIsHiddenSomeAreTouched) {
   for (const std::uint64_t seed : kHidden) {
     const HoverTrial::Result result = HoverTrial(config, dualArm(), seed).run();
     EXPECT_EQ(result.held_max, 0U);
-    if (result.outcome == HoverTrial::Outcome::kTouched) {
+    if (result.outcome == Outcome::kTouched) {
       EXPECT_EQ(result.left_m, 0.0);
       ++touched;
     }

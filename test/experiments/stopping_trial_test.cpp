@@ -8,8 +8,6 @@
 namespace tccm::simulation {
 namespace {
 
-using Outcome = StoppingTrial::Outcome;
-
 StoppingTrial::Config reaching(double speed_mps) {
   StoppingTrial::Config config;
   config.monitor.mapper.map.grid.height_min_m = 0.1;
