@@ -2,23 +2,15 @@
 
 #include <gtest/gtest.h>
 
-#include <functional>
-
+#include "support/error_of.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {
 
-Parameters parse(const std::string& yaml) { return {YAML::Load(yaml), "a_nodelet"}; }
+using test::errorOf;
 
-std::string errorOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "nothing was thrown";
-}
+Parameters parse(const std::string& yaml) { return {YAML::Load(yaml), "a_nodelet"}; }
 
 template <typename T>
 T readOne(const std::string& yaml, T value) {

@@ -4,29 +4,21 @@
 
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <map>
 #include <regex>
 #include <set>
 
-#include "tccm_monitor/config_error.h"
+#include "support/error_of.h"
 
 namespace tccm {
 namespace {
 
 const std::string kSource = TCCM_SOURCE_DIR;
 
-std::string errorOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "";
-}
+using test::errorOf;
 
-template <typename Settings>
-std::string errorOf(Settings (*read)(Parameters&), const std::string& yaml) {
+template <auto read>
+std::string errorReading(const std::string& yaml) {
   return errorOf([&] {
     Parameters parameters(YAML::Load(yaml), "a_nodelet");
     (void)read(parameters);
@@ -191,13 +183,23 @@ std::string lineOf(const Refused& refused) {
   return std::string(refused.key) + ": " + refused.value;
 }
 
-class AssemblerRefusalTest : public ::testing::TestWithParam<Refused> {};
-TEST_P(AssemblerRefusalTest, NamesItsKey) {
-  expectRefusal(errorOf(readAssemblerSettings, lineOf(GetParam())), GetParam().key);
+/// By one of the nodelets.
+using Reading = std::string (*)(const std::string& yaml);
+class RefusalTest : public ::testing::TestWithParam<std::tuple<Reading, Refused>> {};
+
+TEST_P(RefusalTest, NamesItsKey) {
+  const auto& [errorReadingIt, refused] = GetParam();
+  expectRefusal(errorReadingIt(lineOf(refused)), refused.key);
 }
+
+template <auto read, typename... Lines>
+auto refusedBy(const Lines&... lines) {
+  return ::testing::Combine(::testing::Values(&errorReading<read>), ::testing::Values(lines...));
+}
+
 INSTANTIATE_TEST_SUITE_P(
-    OutOfRange, AssemblerRefusalTest,
-    ::testing::Values(
+    Assembler, RefusalTest,
+    refusedBy<readAssemblerSettings>(
         Refused{"fixed_frame", "''"}, Refused{"fixed_frame", "/"}, Refused{"scan_beams_max", "0"},
         Refused{"mixed_pixel_separation_m", "-0.1"}, Refused{"self_filter_padding_m", "-0.1"},
         Refused{"self_filter_range_tolerance_m", "-0.1"},
@@ -214,43 +216,32 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"self_filter_exceptions", "[{links: [a], pading_m: 0.1}]"},
         Refused{"self_filter_exceptions", "[7]"}));
 
-class RobotRefusalTest : public ::testing::TestWithParam<Refused> {};
-TEST_P(RobotRefusalTest, NamesItsKey) {
-  expectRefusal(errorOf(readRobotSettings, lineOf(GetParam())), GetParam().key);
-}
-INSTANTIATE_TEST_SUITE_P(
-    OutOfRange, RobotRefusalTest,
-    ::testing::Values(Refused{"monitored_links", "{a: 8}"}, Refused{"link_groups", "[a, b]"},
-                      Refused{"link_groups", "{arms: 7}"}, Refused{"fixed_joints", "{a: open}"},
-                      Refused{"fixed_joints", "[a]"}, Refused{"apply_mesh_up_axis", "perhaps"},
-                      Refused{"fit_primitives_max", "0"}, Refused{"fit_split_gain", "-1"}));
+INSTANTIATE_TEST_SUITE_P(Robot, RefusalTest,
+                         refusedBy<readRobotSettings>(
+                             Refused{"monitored_links", "{a: 8}"}, Refused{"link_groups", "[a, b]"},
+                             Refused{"link_groups", "{arms: 7}"},
+                             Refused{"fixed_joints", "{a: open}"}, Refused{"fixed_joints", "[a]"},
+                             Refused{"apply_mesh_up_axis", "perhaps"},
+                             Refused{"fit_primitives_max", "0"}, Refused{"fit_split_gain", "-1"}));
 
-class MapperRefusalTest : public ::testing::TestWithParam<Refused> {};
-TEST_P(MapperRefusalTest, NamesItsKey) {
-  expectRefusal(errorOf(readMapperSettings, lineOf(GetParam())), GetParam().key);
-}
-INSTANTIATE_TEST_SUITE_P(
-    OutOfRange, MapperRefusalTest,
-    ::testing::Values(Refused{"area_origin_x_m", ".nan"}, Refused{"area_origin_y_m", ".inf"},
-                      Refused{"area_size_x_m", "0"}, Refused{"area_size_y_m", "-1"},
-                      Refused{"height_min_m", ".nan"}, Refused{"height_max_m", "-1.0"},
-                      Refused{"height_max_m", "100.0"}, Refused{"cell_size_m", "-1"},
-                      Refused{"cell_size_m", "soon"}, Refused{"height_quantum_m", "0"},
-                      Refused{"thickness_m", "0"}, Refused{"window_scans", "-1"},
-                      Refused{"window_scans", "1000000"}, Refused{"window_s", "-0.1"},
-                      Refused{"window_tilt_periods", "0.75"}, Refused{"window_scans_max", "0"},
-                      Refused{"window_returns_max", "0"}, Refused{"intervals_max", "0"},
-                      Refused{"tilt_hysteresis_rad", "0"}, Refused{"scan_gap_max_s", "0"},
-                      Refused{"time_jump_back_s", "-1"}, Refused{"marker_rate_hz", "0"},
-                      Refused{"static_windows", "0"}));
+INSTANTIATE_TEST_SUITE_P(Mapper, RefusalTest,
+                         refusedBy<readMapperSettings>(
+                             Refused{"area_origin_x_m", ".nan"}, Refused{"area_origin_y_m", ".inf"},
+                             Refused{"area_size_x_m", "0"}, Refused{"area_size_y_m", "-1"},
+                             Refused{"height_min_m", ".nan"}, Refused{"height_max_m", "-1.0"},
+                             Refused{"height_max_m", "100.0"}, Refused{"cell_size_m", "-1"},
+                             Refused{"cell_size_m", "soon"}, Refused{"height_quantum_m", "0"},
+                             Refused{"thickness_m", "0"}, Refused{"window_scans", "-1"},
+                             Refused{"window_scans", "1000000"}, Refused{"window_s", "-0.1"},
+                             Refused{"window_tilt_periods", "0.75"},
+                             Refused{"window_scans_max", "0"}, Refused{"window_returns_max", "0"},
+                             Refused{"intervals_max", "0"}, Refused{"tilt_hysteresis_rad", "0"},
+                             Refused{"scan_gap_max_s", "0"}, Refused{"time_jump_back_s", "-1"},
+                             Refused{"marker_rate_hz", "0"}, Refused{"static_windows", "0"}));
 
-class CheckerRefusalTest : public ::testing::TestWithParam<Refused> {};
-TEST_P(CheckerRefusalTest, NamesItsKey) {
-  expectRefusal(errorOf(readCheckerSettings, lineOf(GetParam())), GetParam().key);
-}
 INSTANTIATE_TEST_SUITE_P(
-    OutOfRange, CheckerRefusalTest,
-    ::testing::Values(
+    Checker, RefusalTest,
+    refusedBy<readCheckerSettings>(
         Refused{"fixed_frame", "'//'"}, Refused{"primitive_scale", "0.5"},
         Refused{"collision_padding_m", "-0.01"}, Refused{"support_points", "0"},
         Refused{"support_height_m", "-0.1"}, Refused{"contacts_max", "0"},
@@ -266,7 +257,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"publish_rate_hz", "0"}, Refused{"marker_rate_hz", "-5"}));
 
 TEST(SettingsTest, TwoKindsOfWindowAreOneTooMany) {
-  expectRefusal(errorOf(readMapperSettings, "{window_scans: 40, window_s: 1.0}"), "window_s");
+  expectRefusal(errorReading<readMapperSettings>("{window_scans: 40, window_s: 1.0}"), "window_s");
 }
 
 TEST(MonitorSettingsTest, AWrongKeyOrSectionIsRefusedNamingIt) {
