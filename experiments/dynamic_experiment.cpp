@@ -1,18 +1,22 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <memory>
 
 #include "experiments/csv.h"
 #include "experiments/dynamic_trial.h"
 #include "experiments/experiment.h"
-#include "experiments/parallel.h"
-#include "simulation/robot/dual_arm.h"
+#include "experiments/options.h"
 
 namespace tccm::simulation {
 namespace {
 
-using Json = nlohmann::ordered_json;
+constexpr About kAbout = {
+    "dynamic", "which parts of the map are static, and which move",
+    R"(The paper's Fig. 7: a sheet of paper is moved over the table, and in every other trial a
+box is slid on it, while the arms are at rest. Which cuboids does the map take for static?
+One comes from what stands where all its returns do, from what moves where most do.
+Limits, for either scene: at least 95 % of those that stand are called static, and at most
+5 % of those that move.)"};
 
 constexpr double kRecallMin = 0.95;
 constexpr double kMovingStaticMax = 0.05;
@@ -25,19 +29,21 @@ struct DynamicOptions {
 };
 
 void declare(CLI::App& command, DynamicOptions& options) {
-  command.footer(
-      "The paper's Fig. 7: a sheet of paper is moved over the table, and in every other trial a\n"
-      "box is slid on it, while the arms are at rest. Which cuboids does the map take for static?\n"
-      "One comes from what stands where all its returns do, from what moves where most do.\n"
-      "Limits, for either scene: at least 95 % of those that stand are called static, and at most\n"
-      "5 % of those that move.");
-  command.option_defaults()->always_capture_default();
   command.add_option("--trials", options.trials, "of both scenes")->check(CLI::Range(2, 1000000));
-  command.add_option("--noise-m", options.trial.scanner.noise_m, "standard deviation of a range");
+  addNoise(command, options.trial.scanner.noise_m);
   command.add_option("--settle-s", options.trial.settle_s,
                      "from when it begins to move to the first map judged");
   command.add_option("--judge-s", options.trial.judge_s, "how long maps are judged");
   command.add_option("--every", options.trial.every, "scans between maps that are judged");
+}
+
+Json settingsOf(const DynamicOptions& options) {
+  return {{"trials", options.trials},
+          {"noise_m", options.trial.scanner.noise_m},
+          {"static_windows", options.trial.static_windows},
+          {"settle_s", options.trial.settle_s},
+          {"judge_s", options.trial.judge_s},
+          {"every", options.trial.every}};
 }
 
 Json toJson(const DynamicTally& tally) {
@@ -51,24 +57,24 @@ Json toJson(const DynamicTally& tally) {
 }
 
 std::string lineOf(const std::string& what, const DynamicTally& tally) {
-  char text[200];
-  std::snprintf(text, sizeof text,
-                "%-14s %8zu standing: %.2f %% static; %6zu moving: %.2f %% static; precision %.2f "
-                "%%; %zu of both",
-                what.c_str(), tally.standing, 100.0 * tally.staticRecall(), tally.moving,
-                100.0 * tally.movingStatic(), 100.0 * tally.staticPrecision(), tally.both);
-  return text;
+  return formatted(
+      "%-14s %8zu standing: %.2f %% static; %6zu moving: %.2f %% static; precision %.2f %%; %zu of "
+      "both",
+      what.c_str(), tally.standing, 100.0 * tally.staticRecall(), tally.moving,
+      100.0 * tally.movingStatic(), 100.0 * tally.staticPrecision(), tally.both);
 }
+
+constexpr char kColumns[] =
+    "seed,scene,tilt_phase,tilt_period_s,height_m,speed_mps,maps,standing,standing_static,moving,"
+    "moving_static,of_both,static_recall,static_precision,moving_called_static";
 
 std::string rowOf(const DynamicTrial::Result& trial) {
   const DynamicTally& tally = trial.tally;
-  return std::to_string(trial.seed) + ',' + trial.scene.name + ',' + fixed(trial.phase, 4) + ',' +
-         fixed(trial.scene.period_s, 4) + ',' + fixed(trial.scene.height_m, 4) + ',' +
-         fixed(trial.scene.speed_mps, 3) + ',' + std::to_string(trial.maps) + ',' +
-         std::to_string(tally.standing) + ',' + std::to_string(tally.standing_static) + ',' +
-         std::to_string(tally.moving) + ',' + std::to_string(tally.moving_static) + ',' +
-         std::to_string(tally.both) + ',' + fixed(tally.staticRecall(), 4) + ',' +
-         fixed(tally.staticPrecision(), 4) + ',' + fixed(tally.movingStatic(), 4) + '\n';
+  return csvRow(trial.seed, trial.scene.name, fixed(trial.phase, 4), fixed(trial.scene.period_s, 4),
+                fixed(trial.scene.height_m, 4), fixed(trial.scene.speed_mps, 3), trial.maps,
+                tally.standing, tally.standing_static, tally.moving, tally.moving_static,
+                tally.both, fixed(tally.staticRecall(), 4), fixed(tally.staticPrecision(), 4),
+                fixed(tally.movingStatic(), 4));
 }
 
 /// The last map of the first trial of each scene, for the picture.
@@ -78,22 +84,23 @@ std::string cuboidRows(const std::vector<DynamicTrial::Result>& trials) {
   for (const DynamicTrial::Result& trial : trials) {
     for (const DynamicTrial::JudgedCuboid& judged : trial.cuboids) {
       const Eigen::Vector2d centre = trial.grid.centre(judged.cuboid.cell);
-      rows += trial.scene.name + ',' + fixed(centre.x(), 3) + ',' + fixed(centre.y(), 3) + ',' +
-              fixed(trial.grid.metres(judged.cuboid.bottom), 3) + ',' +
-              fixed(trial.grid.metres(judged.cuboid.top), 3) + ',' +
-              kNames[static_cast<std::size_t>(judged.source)] + ',' +
-              (judged.called_static ? "1\n" : "0\n");
+      rows += csvRow(trial.scene.name, fixed(centre.x(), 3), fixed(centre.y(), 3),
+                     fixed(trial.grid.metres(judged.cuboid.bottom), 3),
+                     fixed(trial.grid.metres(judged.cuboid.top), 3),
+                     kNames[static_cast<std::size_t>(judged.source)], judged.called_static);
     }
   }
   return rows;
 }
 
-void add(const std::vector<DynamicTrial::Result>& trials, Findings& findings) {
+Findings findingsOf(const std::vector<DynamicTrial::Result>& trials,
+                    const DynamicOptions& options) {
+  Findings findings(settingsOf(options), kColumns);
+  findings.files["cuboids.csv"] = cuboidRows(trials);
   std::map<std::string, DynamicTally> by_scene;
   std::map<std::string, std::array<DynamicTally, kPhases>> by_phase;
   for (const DynamicTrial::Result& trial : trials) {
-    findings.simulated_s += trial.simulated_s;
-    findings.rows += rowOf(trial);
+    findings.add(rowOf(trial), trial.simulated_s);
     by_scene[trial.scene.name].add(trial.tally);
     const auto phase = static_cast<std::size_t>(trial.phase * static_cast<double>(kPhases));
     by_phase[trial.scene.name][std::min(phase, kPhases - 1)].add(trial.tally);
@@ -111,49 +118,22 @@ void add(const std::vector<DynamicTrial::Result>& trials, Findings& findings) {
       findings.missed.push_back(scene + " moving_called_static");
     }
   }
+  return findings;
 }
 
-Findings runDynamic(DynamicOptions options, const TrialOptions& common, const Progress& progress) {
-  const MonitorConfig settings = trialSettings(common);
-  options.trial.monitor = settings.monitor();
-  options.trial.static_windows = settings.mapper.static_windows;
-  options.trial.validate();
-  const auto model = std::make_shared<const RobotModel>(dualArmUrdf(), settings.robot);
-  std::vector<DynamicTrial::Result> trials(options.trials);
-  inParallel(
-      trials.size(), common.jobs,
-      [&](std::size_t i) {
-        DynamicTrial::Config config = options.trial;
-        config.keep_cuboids = i < kScenes.size();
-        trials[i] =
-            DynamicTrial(config, kScenes[i % kScenes.size()], model, seedOf(common, i)).run();
-      },
-      progress);
-  Findings findings;
-  findings.settings = {{"trials", options.trials},
-                       {"noise_m", options.trial.scanner.noise_m},
-                       {"static_windows", options.trial.static_windows},
-                       {"settle_s", options.trial.settle_s},
-                       {"judge_s", options.trial.judge_s},
-                       {"every", options.trial.every}};
-  findings.rows =
-      "seed,scene,tilt_phase,tilt_period_s,height_m,speed_mps,maps,standing,standing_static,moving,"
-      "moving_static,of_both,static_recall,static_precision,moving_called_static\n";
-  findings.files["cuboids.csv"] = cuboidRows(trials);
-  add(trials, findings);
-  return findings;
+Findings runDynamic(DynamicOptions options, const TrialRun& run) {
+  options.trial.static_windows = run.settings.mapper.static_windows;
+  run.prepare(options.trial);
+  const auto trials = run.results(options.trials, [&](std::size_t i, std::uint64_t seed) {
+    DynamicTrial::Config config = options.trial;
+    config.keep_cuboids = i < kScenes.size();
+    return DynamicTrial(config, kScenes[i % kScenes.size()], run.model, seed).run();
+  });
+  return findingsOf(trials, options);
 }
 
 }  // namespace
 
-Experiment dynamicExperiment(CLI::App& app) {
-  auto options = std::make_shared<DynamicOptions>();
-  CLI::App* command =
-      app.add_subcommand("dynamic", "which parts of the map are static, and which move");
-  declare(*command, *options);
-  return {command, [options](const TrialOptions& common, const Progress& progress) {
-            return runDynamic(*options, common, progress);
-          }};
-}
+Experiment dynamicExperiment(CLI::App& app) { return experiment(app, kAbout, declare, runDynamic); }
 
 }  // namespace tccm::simulation

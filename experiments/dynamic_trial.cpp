@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "experiments/draw.h"
+#include "experiments/statistics.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
@@ -62,10 +63,6 @@ Simulator::Config settingOf(const DynamicTrial::Config& config, const DynamicSce
   return setting;
 }
 
-double share(std::size_t part, std::size_t whole, double of_nothing) {
-  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : of_nothing;
-}
-
 }  // namespace
 
 DynamicScene dynamicScene(const std::string& name, std::uint64_t seed) {
@@ -121,7 +118,7 @@ double DynamicTally::staticPrecision() const {
   return share(standing_static, standing_static + moving_static, 1.0);
 }
 
-double DynamicTally::movingStatic() const { return share(moving_static, moving, 0.0); }
+double DynamicTally::movingStatic() const { return share(moving_static, moving); }
 
 void DynamicTrial::Config::validate() const {
   scanner.validate();

@@ -1,17 +1,29 @@
 #include "experiments/experiment.h"
 
 #include "experiments/simulated_settings.h"
+#include "simulation/robot/dual_arm.h"
 
 namespace tccm::simulation {
+namespace {
 
-std::uint64_t seedOf(const TrialOptions& options, std::size_t trial) {
-  return 1000003 * options.seed + trial;
-}
-
-MonitorConfig trialSettings(const TrialOptions& options) {
-  MonitorConfig settings = simulatedSettings(options.config);
+MonitorConfig trialSettings(const std::string& config) {
+  MonitorConfig settings = simulatedSettings(config);
   settings.checker.checker.clearance_radius_m = 0.0;
   return settings;
+}
+
+}  // namespace
+
+TrialRun::TrialRun(const TrialOptions& options, Progress progress)
+    : options(options),
+      progress(std::move(progress)),
+      settings(trialSettings(options.config)),
+      model(std::make_shared<const RobotModel>(dualArmUrdf(), settings.robot)) {}
+
+std::uint64_t TrialRun::seedOf(std::size_t trial) const { return 1000003 * options.seed + trial; }
+
+void TrialRun::forEach(std::size_t count, const std::function<void(std::size_t)>& work) const {
+  inParallel(count, options.jobs, work, progress);
 }
 
 }  // namespace tccm::simulation

@@ -1,14 +1,13 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "experiments/csv.h"
 #include "experiments/draw.h"
 #include "experiments/experiment.h"
-#include "experiments/parallel.h"
+#include "experiments/options.h"
 #include "experiments/self_filter_trial.h"
 #include "experiments/stretching.h"
 #include "simulation/robot/dual_arm.h"
@@ -16,6 +15,16 @@
 
 namespace tccm::simulation {
 namespace {
+
+constexpr About kAbout = {
+    "false-stops", "arms that move clear of everything: what stops them?",
+    R"(An arm stretches over a table, or before a shelf with a drawer, as low as its clearance
+and its reach allow; or both arms move at random (wander). They keep clear of everything,
+also where they would be half a second later: a permission that goes for a contact goes
+for nothing. The arms stop and slow down as they are told. Speeds and scenes take turns;
+every motion has a path, to and fro, a phase of the tilt and a body of its own, each of
+whose parts is displaced.
+Limit: no false stop at a noise of up to 10 mm.)"};
 
 struct FalseStopsOptions {
   SelfFilterTrial::Config trial;
@@ -28,37 +37,35 @@ struct FalseStopsOptions {
 
 void declare(CLI::App& command, FalseStopsOptions& options) {
   Simulator::Config& simulator = options.trial.simulator;
-  command.footer(
-      "An arm stretches over a table, or before a shelf with a drawer, as low as its clearance\n"
-      "and its reach allow; or both arms move at random (wander). They keep clear of everything,\n"
-      "also where they would be half a second later: a permission that goes for a contact goes\n"
-      "for nothing. The arms stop and slow down as they are told. Speeds and scenes take turns;\n"
-      "every motion has a path, to and fro, a phase of the tilt and a body of its own, each of\n"
-      "whose parts is displaced.\n"
-      "Limit: no false stop at a noise of up to 10 mm.");
-  command.option_defaults()->always_capture_default();
   command.add_option("--motion", options.motion)->check(CLI::IsMember({kStretching, kWander}));
   command.add_option("--motions", options.motions, "at each noise")->check(CLI::Range(1, 1000000));
   command.add_option("--duration-s", options.trial.duration_s, "of a motion");
-  command.add_option("--noises-m", options.noises_m, "standard deviations of a range")
-      ->delimiter(',')
-      ->check(CLI::Range(0.0, 0.2));
-  command.add_option("--speeds", options.speeds_mps, "of the faster palm [m/s]")
-      ->delimiter(',')
-      ->check(CLI::Range(0.01, 2.0));
-  command.add_option("--scenes", options.scenes)
-      ->delimiter(',')
-      ->check(CLI::IsMember({"table", "shelf", "empty"}));
+  addList(command, "--noises-m", options.noises_m, CLI::Range(0.0, 0.2),
+          "standard deviations of a range");
+  addList(command, "--speeds", options.speeds_mps, CLI::Range(0.01, 2.0),
+          "of the faster palm [m/s]");
+  addList(command, "--scenes", options.scenes, CLI::IsMember({"table", "shelf", "empty"}));
   command.add_option("--clearance-m", simulator.wander_clearance_m,
                      "that the arms keep from the scene");
   command.add_option("--body-error-m", simulator.body_error.size_m,
                      "by which each part of the robot is displaced");
   command.add_option("--joints-late-s", options.trial.joints_late_s,
                      "by which joint states are stamped too late");
-  command.add_option("--mixed-share", simulator.scanner.mixed_share,
-                     "of the beams that straddle an edge");
-  command.add_option("--mixed-persistence", simulator.scanner.mixed_persistence,
-                     "chance that the next such beam does as this one did");
+  addMixedPixels(command, simulator.scanner);
+}
+
+Json settingsOf(const FalseStopsOptions& options) {
+  return {{"motion", options.motion},
+          {"motions", options.motions},
+          {"duration_s", options.trial.duration_s},
+          {"noises_m", options.noises_m},
+          {"speeds_mps", options.speeds_mps},
+          {"scenes", options.scenes},
+          {"clearance_m", options.trial.simulator.wander_clearance_m},
+          {"body_error_m", options.trial.simulator.body_error.size_m},
+          {"joints_late_s", options.trial.joints_late_s},
+          {"mixed_share", options.trial.simulator.scanner.mixed_share},
+          {"mixed_persistence", options.trial.simulator.scanner.mixed_persistence}};
 }
 
 /// A motion and what came of it.
@@ -70,14 +77,13 @@ struct Motion {
   SelfFilterTally tally;
 };
 
-std::vector<Motion> motionsOf(const FalseStopsOptions& options, const TrialOptions& common) {
+std::vector<Motion> motionsOf(const FalseStopsOptions& options, const TrialRun& run) {
   std::vector<Motion> motions;
   for (const double noise_m : options.noises_m) {
     for (std::size_t i = 0; i < options.motions; ++i) {
       const double speed = options.speeds_mps[i % options.speeds_mps.size()];
       const std::size_t scene = i / options.speeds_mps.size() % options.scenes.size();
-      motions.push_back(
-          {noise_m, speed, options.scenes[scene], seedOf(common, motions.size()), {}});
+      motions.push_back({noise_m, speed, options.scenes[scene], run.seedOf(motions.size()), {}});
     }
   }
   return motions;
@@ -110,16 +116,20 @@ std::string mainSource(const FalseContact& stop) {
   return *most > 0 ? name(static_cast<BeamSource>(most - stop.supporters.begin())) : kHeld;
 }
 
+constexpr char kColumns[] =
+    "seed,noise_m,speed_mps,scene,permitted_s,slowed_s,false_stops,first_s,link,source";
+
 std::string rowOf(const Motion& motion) {
   const SelfFilterTally& tally = motion.tally;
-  std::string row = std::to_string(motion.seed) + ',' + fixed(motion.noise_m, 3) + ',' +
-                    fixed(motion.speed_mps, 3) + ',' + motion.scene + ',' +
-                    fixed(tally.permitted_s, 2) + ',' + fixed(tally.slowed_s, 2) + ',' +
-                    std::to_string(tally.stops.size()) + ',';
-  if (tally.stops.empty()) return row + ",,\n";
-  const FalseContact& first = tally.stops.front();
-  return row + fixed(toSeconds(first.stamp - Simulator::Config().start), 3) + ',' + first.link +
-         ',' + mainSource(first) + '\n';
+  const auto firstStop = [&tally]() -> std::string {
+    if (tally.stops.empty()) return csvCells("", "", "");
+    const FalseContact& first = tally.stops.front();
+    const double first_s = toSeconds(first.stamp - Simulator::Config().start);
+    return csvCells(fixed(first_s, 3), first.link, mainSource(first));
+  };
+  return csvRow(motion.seed, fixed(motion.noise_m, 3), fixed(motion.speed_mps, 3), motion.scene,
+                fixed(tally.permitted_s, 2), fixed(tally.slowed_s, 2), tally.stops.size(),
+                firstStop());
 }
 
 /// Of the motions at one noise.
@@ -140,18 +150,18 @@ struct Tally {
   }
 };
 
-void add(const std::vector<Motion>& motions, const FalseStopsOptions& options, Findings& findings) {
+Findings findingsOf(const std::vector<Motion>& motions, const FalseStopsOptions& options) {
   constexpr double kQuiet = 0.0101;  // [m] of noise up to which there may be none
+  Findings findings(settingsOf(options), kColumns);
   for (std::size_t first = 0; first < motions.size(); first += options.motions) {
     Tally tally;
     for (std::size_t i = first; i < first + options.motions; ++i) {
       tally.add(motions[i].tally);
-      findings.rows += rowOf(motions[i]);
-      findings.simulated_s += options.trial.duration_s;
+      findings.add(rowOf(motions[i]), options.trial.duration_s);
     }
     const double noise_m = motions[first].noise_m;
     const double hours = std::max(tally.permitted_s, 1e-9) / 3600.0;
-    nlohmann::ordered_json sources;
+    Json sources;
     for (const BeamSource source : kSources) sources[name(source)] = tally.by_source[name(source)];
     sources[kHeld] = tally.by_source[kHeld];
     findings.figures["by_noise"].push_back(
@@ -163,70 +173,42 @@ void add(const std::vector<Motion>& motions, const FalseStopsOptions& options, F
          {"mostly_returns_of", sources},
          {"permitted_s", tally.permitted_s},
          {"slowed_for_contact_share", tally.slowed_s / std::max(tally.permitted_s, 1e-9)}});
-    char line[250];
-    std::snprintf(
-        line, sizeof line,
-        "%.0f mm of noise %zu motions: %zu false stops in %zu of them, %.1f an hour; slowed "
-        "down for a contact %.2f %% of the time",
+    findings.lines.push_back(formatted(
+        "%.0f mm of noise %zu motions: %zu false stops in %zu of them, %.1f an hour; slowed down "
+        "for a contact %.2f %% of the time",
         1e3 * noise_m, tally.motions, tally.stops, tally.with_stop,
         static_cast<double>(tally.stops) / hours,
-        100.0 * tally.slowed_s / std::max(tally.permitted_s, 1e-9));
-    findings.lines.emplace_back(line);
+        100.0 * tally.slowed_s / std::max(tally.permitted_s, 1e-9)));
     if (noise_m < kQuiet && tally.stops > 0 && findings.missed.empty()) {
       findings.missed.emplace_back("false_stops");
     }
   }
+  return findings;
 }
 
-Findings runFalseStops(FalseStopsOptions options, const TrialOptions& common,
-                       const Progress& progress) {
-  const MonitorConfig settings = trialSettings(common);
-  options.trial.monitor = settings.monitor();
+Findings runFalseStops(FalseStopsOptions options, const TrialRun& run) {
+  run.prepare(options.trial);
   // A contact at the present pose would hold until somebody resets.
   options.trial.monitor.checker.permission.hold_until_reset = false;
-  options.trial.validate();
-  const auto model = std::make_shared<const RobotModel>(dualArmUrdf(), settings.robot);
-  std::vector<Motion> motions = motionsOf(options, common);
-  const auto work = [&](std::size_t i) {
-    motions[i].tally = SelfFilterTrial(configOf(options, motions[i]), model).run({});
-  };
-  inParallel(motions.size(), common.jobs, work, progress);
-  Findings findings;
-  const Simulator::Config& simulator = options.trial.simulator;
-  findings.settings = {{"motion", options.motion},
-                       {"motions", options.motions},
-                       {"duration_s", options.trial.duration_s},
-                       {"noises_m", options.noises_m},
-                       {"speeds_mps", options.speeds_mps},
-                       {"scenes", options.scenes},
-                       {"clearance_m", simulator.wander_clearance_m},
-                       {"body_error_m", simulator.body_error.size_m},
-                       {"joints_late_s", options.trial.joints_late_s},
-                       {"mixed_share", simulator.scanner.mixed_share},
-                       {"mixed_persistence", simulator.scanner.mixed_persistence}};
-  findings.rows =
-      "seed,noise_m,speed_mps,scene,permitted_s,slowed_s,false_stops,first_s,link,source\n";
-  add(motions, options, findings);
-  return findings;
+  std::vector<Motion> motions = motionsOf(options, run);
+  run.forEach(motions.size(), [&](std::size_t i) {
+    motions[i].tally = SelfFilterTrial(configOf(options, motions[i]), run.model).run({});
+  });
+  return findingsOf(motions, options);
 }
 
 }  // namespace
 
 Experiment falseStopsExperiment(CLI::App& app) {
-  auto options = std::make_shared<FalseStopsOptions>();
-  Simulator::Config& simulator = options->trial.simulator;
+  FalseStopsOptions options;
+  Simulator::Config& simulator = options.trial.simulator;
   simulator.motion = kWander;
   simulator.wander_clearance_m = 0.08;
   simulator.body_error.size_m = 0.01;
-  options->trial.joints_late_s = 0.02;
-  options->trial.duration_s = 12.0;
-  options->trial.obeys = true;
-  CLI::App* command =
-      app.add_subcommand("false-stops", "arms that move clear of everything: what stops them?");
-  declare(*command, *options);
-  return {command, [options](const TrialOptions& common, const Progress& progress) {
-            return runFalseStops(*options, common, progress);
-          }};
+  options.trial.joints_late_s = 0.02;
+  options.trial.duration_s = 12.0;
+  options.trial.obeys = true;
+  return experiment(app, kAbout, declare, runFalseStops, options);
 }
 
 }  // namespace tccm::simulation

@@ -1,22 +1,31 @@
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <optional>
 
 #include "experiments/csv.h"
 #include "experiments/experiment.h"
 #include "experiments/governed_trial.h"
 #include "experiments/look_schedule.h"
-#include "experiments/parallel.h"
+#include "experiments/markdown_table.h"
+#include "experiments/options.h"
 #include "experiments/place_speeds.h"
 #include "experiments/reaching_about.h"
-#include "simulation/robot/dual_arm.h"
+#include "experiments/statistics.h"
 #include "simulation/wander.h"
 
 namespace tccm::simulation {
 namespace {
 
-using Json = nlohmann::ordered_json;
+constexpr About kAbout = {
+    "governed", "a speed at which the next look is in time",
+    R"(Random motions under a governed speed, half of them of both arms (wander), half of the hand
+from place to place (reach_about). For each wrist, palm and finger in motion, a hundred times
+a second: had something appeared the distance ahead, when would the first beam have passed
+it, and how far would the link have gone until it was judged and braked for? Then a table:
+the speed allowed to a hand by the tilt at which the laser looks at it and by the tilt's
+phase, beside the greatest constant speed that would be safe there.
+Limits: no link goes further than the distance; where all of the hand is in the tilt's range
+the governed speed is at least 1.1 times the constant one.)"};
 
 constexpr double kDegree = M_PI / 180.0;
 
@@ -31,19 +40,6 @@ struct GovernedOptions {
 };
 
 void declare(CLI::App& command, GovernedOptions& options) {
-  command.footer(
-      "Random motions under a governed speed, half of them of both arms (wander), half of the "
-      "hand\n"
-      "from place to place (reach_about). For each wrist, palm and finger in motion, a hundred "
-      "times\n"
-      "a second: had something appeared the distance ahead, when would the first beam have passed\n"
-      "it, and how far would the link have gone until it was judged and braked for? Then a table:\n"
-      "the speed allowed to a hand by the tilt at which the laser looks at it and by the tilt's\n"
-      "phase, beside the greatest constant speed that would be safe there.\n"
-      "Limits: no link goes further than the distance; where all of the hand is in the tilt's "
-      "range\n"
-      "the governed speed is at least 1.1 times the constant one.");
-  command.option_defaults()->always_capture_default();
   command.add_option("--minutes", options.minutes, "simulated time of motions")
       ->check(CLI::Range(0.0, 600.0));
   command.add_option("--distance-m", options.trial.distance_m,
@@ -56,9 +52,7 @@ void declare(CLI::App& command, GovernedOptions& options) {
   command.add_option("--tilt-step-deg", options.tilt_step_deg, "between places of the table")
       ->check(CLI::Range(0.5, 60.0));
   command.add_option("--phases", options.phases, "of the table")->check(CLI::Range(1, 1000));
-  command.add_option("--latency-s", options.trial.controller.latency_s, "from verdict to brake");
-  command.add_option("--deceleration", options.trial.controller.acceleration_mps2,
-                     "of the faster palm [m/s^2]");
+  addBraking(command, options.trial.controller, "the faster palm");
   command
       .add_option("--links", options.links,
                   "that are monitored, and so governed: places ahead of elbows are mostly out of "
@@ -68,12 +62,27 @@ void declare(CLI::App& command, GovernedOptions& options) {
       ->always_capture_default(false);
 }
 
+Json settingsOf(const GovernedOptions& options) {
+  return {{"minutes", options.minutes},
+          {"distance_m", options.trial.distance_m},
+          {"governed", !options.free},
+          {"links", options.links},
+          {"speed_mps", options.trial.speed_mps},
+          {"look_angle_deg", options.look_angle_deg},
+          {"latency_s", options.trial.controller.latency_s},
+          {"deceleration_mps2", options.trial.controller.acceleration_mps2}};
+}
+
+constexpr char kColumns[] =
+    "seed,motion,cases,violations,reached,largest_share,link,wait_s,looked,way_m,permitted_s,"
+    "slowed_s,"
+    "standing_s";
+
 std::string rowOf(const GovernedTrial::Result& r, double distance_m) {
-  return std::to_string(r.seed) + ',' + r.motion + ',' + std::to_string(r.cases) + ',' +
-         std::to_string(r.violations) + ',' + std::to_string(r.reached) + ',' +
-         fixed(r.worst.way_m / distance_m, 4) + ',' + r.worst.link + ',' +
-         fixed(r.worst.wait_s, 3) + ',' + (r.worst.looked ? "1," : "0,") + fixed(r.way_m, 3) + ',' +
-         fixed(r.permitted_s, 2) + ',' + fixed(r.slowed_s, 2) + ',' + fixed(r.standing_s, 2) + '\n';
+  return csvRow(r.seed, r.motion, r.cases, r.violations, r.reached,
+                fixed(r.worst.way_m / distance_m, 4), r.worst.link, fixed(r.worst.wait_s, 3),
+                r.worst.looked, fixed(r.way_m, 3), fixed(r.permitted_s, 2), fixed(r.slowed_s, 2),
+                fixed(r.standing_s, 2));
 }
 
 /// What is allowed at one place of the tilt's range.
@@ -152,36 +161,29 @@ std::string csvOf(const std::vector<Place>& places) {
   }
   text += '\n';
   for (const Place& place : places) {
-    text += fixed(place.tilt_deg, 1) + (place.longest_gap_s ? ",1," : ",0,") +
-            (place.longest_gap_s ? fixed(*place.longest_gap_s, 3) : "") + ',' +
-            fixed(place.constant_mps, 4) + ',' + fixed(place.middle_constant_mps, 4) + ',' +
-            fixed(place.governed.mean_mps, 4) + ',' + fixed(place.governed.travelled_mps, 4);
+    text += csvCells(fixed(place.tilt_deg, 1), place.longest_gap_s.has_value(),
+                     fixed(place.longest_gap_s, 3), fixed(place.constant_mps, 4),
+                     fixed(place.middle_constant_mps, 4), fixed(place.governed.mean_mps, 4),
+                     fixed(place.governed.travelled_mps, 4));
     for (const double allowed : place.governed.allowed_mps) text += ',' + fixed(allowed, 4);
     text += '\n';
   }
   return text;
 }
 
-/// A table in Markdown, in mm/s.
-std::vector<std::string> tableOf(const std::vector<Place>& places) {
-  std::string head = "| tilt | constant | governed |";
-  std::string rule = "|---:|---:|---:|";
+/// In mm/s.
+MarkdownTable tableOf(const std::vector<Place>& places) {
+  MarkdownTable table;
+  for (const char* column : {"tilt", "constant", "governed"}) table.addColumn(column);
   const std::size_t phases = places.front().governed.allowed_mps.size();
-  for (std::size_t i = 0; i < phases; ++i) {
-    head += ' ' + fixed(static_cast<double>(i) / static_cast<double>(phases), 2) + " |";
-    rule += "---:|";
-  }
-  std::vector<std::string> lines = {head, rule};
+  for (std::size_t i = 0; i < phases; ++i) table.addColumn(fixed(share(i, phases), 2));
   for (const Place& place : places) {
-    std::string line = "| " + fixed(place.tilt_deg, 0) + " | " +
-                       fixed(1e3 * place.constant_mps, 0) + " | " +
-                       fixed(1e3 * place.governed.mean_mps, 0) + " |";
-    for (const double allowed : place.governed.allowed_mps) {
-      line += ' ' + fixed(1e3 * allowed, 0) + " |";
-    }
-    lines.push_back(line);
+    std::vector<std::string> cells = {fixed(place.tilt_deg, 0), fixed(1e3 * place.constant_mps, 0),
+                                      fixed(1e3 * place.governed.mean_mps, 0)};
+    for (const double mps : place.governed.allowed_mps) cells.push_back(fixed(1e3 * mps, 0));
+    table.addRow(cells);
   }
-  return lines;
+  return table;
 }
 
 /// Over places where all of the hand is looked at; beyond the tilt's range nothing may move.
@@ -215,22 +217,18 @@ void add(const std::vector<Place>& places, Findings& findings) {
                                     {"governed_mps", governed / count},
                                     {"gain", gain}};
   findings.files["speeds.csv"] = csvOf(places);
-  for (const std::string& line : tableOf(places)) findings.lines.push_back(line);
-  char line[250];
-  std::snprintf(
-      line, sizeof line,
+  findings.addLines(tableOf(places).lines());
+  findings.lines.push_back(formatted(
       "%zu places      where all of the hand is in the tilt's range: %.0f mm/s governed, on "
       "average, %.0f mm/s constant (%.0f for its middle alone): %.2f times as fast",
-      inside, 1e3 * governed / count, 1e3 * constant / count, 1e3 * middle_constant / count, gain);
-  findings.lines.emplace_back(line);
+      inside, 1e3 * governed / count, 1e3 * constant / count, 1e3 * middle_constant / count, gain));
   if (!places.empty() && gain < kGain) findings.missed.emplace_back("gain");
 }
 
 void add(const std::vector<GovernedTrial::Result>& trials, double distance_m, Findings& findings) {
   GovernedTrial::Result all;
   for (const GovernedTrial::Result& trial : trials) {
-    findings.rows += rowOf(trial, distance_m);
-    findings.simulated_s += trial.simulated_s;
+    findings.add(rowOf(trial, distance_m), trial.simulated_s);
     all.cases += trial.cases;
     all.violations += trial.violations;
     all.reached += trial.reached;
@@ -250,19 +248,16 @@ void add(const std::vector<GovernedTrial::Result>& trials, double distance_m, Fi
                                  {"permitted_s", all.permitted_s},
                                  {"slowed_share", all.slowed_s / permitted_s},
                                  {"standing_share", all.standing_s / permitted_s}};
-  char line[300];
-  std::snprintf(line, sizeof line,
-                "motions        %zu cases: %zu go further than the distance, the worst %.2f of it; "
+  findings.lines.push_back(
+      formatted("motions        %zu cases: %zu go further than the distance, the worst %.2f of it; "
                 "%zu come to the place; %.0f mm/s on average, standing %.0f %% of the time",
                 all.cases, all.violations, all.worst.way_m / distance_m, all.reached,
-                1e3 * all.way_m / permitted_s, 100.0 * all.standing_s / permitted_s);
-  findings.lines.emplace_back(line);
+                1e3 * all.way_m / permitted_s, 100.0 * all.standing_s / permitted_s));
   if (all.violations > 0) findings.missed.emplace_back("distance");
 }
 
-Findings runGoverned(GovernedOptions options, const TrialOptions& common,
-                     const Progress& progress) {
-  MonitorConfig settings = trialSettings(common);
+Findings runGoverned(GovernedOptions options, const TrialRun& run) {
+  MonitorConfig settings = run.settings;
   settings.checker.checker.governed_speed.appear_distance_m =
       options.free ? 0.0 : options.trial.distance_m;
   GovernedTrial::Config& trial = options.trial;
@@ -276,7 +271,6 @@ Findings runGoverned(GovernedOptions options, const TrialOptions& common,
   trial.monitor = settings.monitor();
   trial.oracle.angle_rad = options.look_angle_deg * kDegree;
   trial.validate();
-  const auto model = std::make_shared<const RobotModel>(dualArmUrdf(), settings.robot);
   std::vector<GovernedTrial::Result> trials(
       static_cast<std::size_t>(std::ceil(60.0 * options.minutes / trial.duration_s)));
   std::vector<Place> places = placesOf(options);
@@ -286,32 +280,19 @@ Findings runGoverned(GovernedOptions options, const TrialOptions& common,
   speeds.phases = options.phases;
   speeds.controller = trial.controller;
   if (options.links == "hands") speeds.links = trial.links;
-  const auto work = [&](std::size_t i) {
+  run.forEach(trials.size() + places.size(), [&](std::size_t i) {
     if (i < trials.size()) {
       GovernedTrial::Config config = trial;
       config.motion = i % 2 == 0 ? kWander : kReachingAbout;
-      trials[i] = GovernedTrial(config, model, seedOf(common, i)).run();
+      trials[i] = GovernedTrial(config, run.model, run.seedOf(i)).run();
     } else {
       Place& place = places[i - trials.size()];
       place.governed =
-          PlaceSpeeds(speeds, model, place.tilt_deg * kDegree, seedOf(common, i)).run();
+          PlaceSpeeds(speeds, run.model, place.tilt_deg * kDegree, run.seedOf(i)).run();
       compareWithConstant(options, place);
     }
-  };
-  inParallel(trials.size() + places.size(), common.jobs, work, progress);
-  Findings findings;
-  findings.settings = {{"minutes", options.minutes},
-                       {"distance_m", trial.distance_m},
-                       {"governed", !options.free},
-                       {"links", options.links},
-                       {"speed_mps", trial.speed_mps},
-                       {"look_angle_deg", options.look_angle_deg},
-                       {"latency_s", trial.controller.latency_s},
-                       {"deceleration_mps2", trial.controller.acceleration_mps2}};
-  findings.rows =
-      "seed,motion,cases,violations,reached,largest_share,link,wait_s,looked,way_m,permitted_s,"
-      "slowed_s,"
-      "standing_s\n";
+  });
+  Findings findings(settingsOf(options), kColumns);
   add(trials, trial.distance_m, findings);
   add(places, findings);
   return findings;
@@ -320,12 +301,7 @@ Findings runGoverned(GovernedOptions options, const TrialOptions& common,
 }  // namespace
 
 Experiment governedExperiment(CLI::App& app) {
-  auto options = std::make_shared<GovernedOptions>();
-  CLI::App* command = app.add_subcommand("governed", "a speed at which the next look is in time");
-  declare(*command, *options);
-  return {command, [options](const TrialOptions& common, const Progress& progress) {
-            return runGoverned(*options, common, progress);
-          }};
+  return experiment(app, kAbout, declare, runGoverned);
 }
 
 }  // namespace tccm::simulation

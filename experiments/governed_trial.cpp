@@ -16,11 +16,6 @@ namespace {
 constexpr double kReached = 0.005;  // [m] from a place is there
 constexpr double kNearer = 0.01;    // [m] by which another part of the robot may be to the place
 
-GovernedTrial::Config validated(const GovernedTrial::Config& config) {
-  config.validate();
-  return config;
-}
-
 Simulator::Config settingOf(const GovernedTrial::Config& config,
                             const std::shared_ptr<const RobotModel>& model, std::uint64_t seed) {
   Draw draw(seed);
@@ -59,7 +54,7 @@ void GovernedTrial::Config::validate() const {
 
 GovernedTrial::GovernedTrial(const Config& config, const std::shared_ptr<const RobotModel>& model,
                              std::uint64_t seed)
-    : config_(validated(config)),
+    : config_((config.validate(), config)),
       simulation_(settingOf(config_, model, seed), config_.monitor, model),
       oracle_(config_.oracle, model) {
   for (const std::string& link : config_.links) shapes_.push_back(firstShape(*model, link));

@@ -1,17 +1,20 @@
 #include <array>
-#include <memory>
 #include <vector>
 
 #include "experiments/csv.h"
 #include "experiments/experiment.h"
-#include "experiments/parallel.h"
+#include "experiments/markdown_table.h"
+#include "experiments/options.h"
 #include "experiments/stopping_trial.h"
-#include "simulation/robot/dual_arm.h"
 
 namespace tccm::simulation {
 namespace {
 
-using Outcome = StoppingTrial::Outcome;
+constexpr About kAbout = {
+    "hands", "a person's hand reaches for the robot's from side and behind",
+    R"(A person's hand reaches for the robot's while that moves over a table, from 0.4 m away, from
+the side or from behind. Who reaches for a robot touches it in the end: what counts is
+whether the permission went before, and whether the arm stood by then. No limits.)"};
 
 constexpr double kRest = 0.005;  // [m/s]; a palm that is slower stands
 
@@ -33,28 +36,25 @@ struct HandsOptions {
 };
 
 void declare(CLI::App& command, HandsOptions& options) {
-  command.footer(
-      "A person's hand reaches for the robot's while that moves over a table, from 0.4 m away, "
-      "from\n"
-      "the side or from behind. Who reaches for a robot touches it in the end: what counts is\n"
-      "whether the permission went before, and whether the arm stood by then. No limits.");
-  command.option_defaults()->always_capture_default();
   command.add_option("--trials", options.trials, "for each side, speed of the hand and period")
       ->check(CLI::Range(1, 100000));
-  command.add_option("--hand-speeds", options.hand_speeds_mps, "of the person's hand [m/s]")
-      ->delimiter(',')
-      ->check(CLI::Range(0.1, 10.0));
-  command.add_option("--tilt-periods", options.tilt_periods_s, "[s]")
-      ->delimiter(',')
-      ->check(CLI::Range(0.2, 20.0));
-  command.add_option("--speeds", options.speeds_mps, "of the robot's hand, in turn [m/s]")
-      ->delimiter(',')
-      ->check(CLI::Range(0.01, 2.0));
-  command.add_option("--noise-m", options.trial.scanner.noise_m, "standard deviation of a range");
-  command.add_option("--latency-s", options.trial.controller.latency_s,
-                     "from the stop to the brake");
-  command.add_option("--deceleration", options.trial.controller.acceleration_mps2,
-                     "of the robot's hand [m/s^2]");
+  addList(command, "--hand-speeds", options.hand_speeds_mps, CLI::Range(0.1, 10.0),
+          "of the person's hand [m/s]");
+  addList(command, "--tilt-periods", options.tilt_periods_s, CLI::Range(0.2, 20.0), "[s]");
+  addList(command, "--speeds", options.speeds_mps, CLI::Range(0.01, 2.0),
+          "of the robot's hand, in turn [m/s]");
+  addNoise(command, options.trial.scanner.noise_m);
+  addBraking(command, options.trial.controller, "the robot's hand");
+}
+
+Json settingsOf(const HandsOptions& options) {
+  return {{"trials", options.trials},
+          {"hand_speeds_mps", options.hand_speeds_mps},
+          {"tilt_periods_s", options.tilt_periods_s},
+          {"speeds_mps", options.speeds_mps},
+          {"noise_m", options.trial.scanner.noise_m},
+          {"latency_s", options.trial.controller.latency_s},
+          {"deceleration_mps2", options.trial.controller.acceleration_mps2}};
 }
 
 /// A trial with what it was about.
@@ -93,14 +93,16 @@ std::vector<Case> casesOf(const HandsOptions& options) {
   return cases;
 }
 
+constexpr char kColumns[] =
+    "seed,from,from_rad,hand_mps,tilt_period_s,speed_mps,tilt_phase,outcome,reason,beam_s,stop_s,"
+    "contact_s,contact_speed_mps";
+
 std::string rowOf(const Case& one) {
   const StoppingTrial::Result& r = one.result;
-  const auto seconds = [](const std::optional<double>& s) { return s ? fixed(*s, 4) : ""; };
-  return std::to_string(r.seed) + ',' + one.side->name + ',' + fixed(*r.reaches_from_rad, 4) + ',' +
-         fixed(one.hand_mps, 3) + ',' + fixed(one.tilt_period_s, 4) + ',' +
-         fixed(one.speed_mps, 3) + ',' + fixed(r.tilt_phase, 4) + ',' + name(r.outcome) + ',' +
-         r.reason + ',' + seconds(r.beam_s) + ',' + seconds(r.stop_s) + ',' + seconds(r.contact_s) +
-         ',' + fixed(r.contact_speed_mps, 4) + '\n';
+  return csvRow(r.seed, one.side->name, fixed(*r.reaches_from_rad, 4), fixed(one.hand_mps, 3),
+                fixed(one.tilt_period_s, 4), fixed(one.speed_mps, 3), fixed(r.tilt_phase, 4),
+                name(r.outcome), r.reason, fixed(r.beam_s, 4), fixed(r.stop_s, 4),
+                fixed(r.contact_s, 4), fixed(r.contact_speed_mps, 4));
 }
 
 /// Of cases that share a period, a side and a speed of the person's hand.
@@ -120,17 +122,20 @@ struct Tally {
   }
 };
 
-void add(const std::vector<Case>& cases, const HandsOptions& options, Findings& findings) {
-  findings.lines = {
-      "| tilt | from | hand | trials | seen before | stopped before | touched | in "
-      "motion | at most |",
-      "|---:|---|---:|---:|---:|---:|---:|---:|---:|"};
+Findings findingsOf(const std::vector<Case>& cases, const HandsOptions& options) {
+  Findings findings(settingsOf(options), kColumns);
+  MarkdownTable table;
+  table.addColumn("tilt");
+  table.addColumn("from", MarkdownTable::Column::kText);
+  for (const char* column :
+       {"hand", "trials", "seen before", "stopped before", "touched", "in motion", "at most"}) {
+    table.addColumn(column);
+  }
   for (std::size_t first = 0; first < cases.size(); first += options.trials) {
     Tally tally;
     for (std::size_t i = first; i < first + options.trials; ++i) {
       tally.add(cases[i]);
-      findings.rows += rowOf(cases[i]);
-      findings.simulated_s += cases[i].result.simulated_s;
+      findings.add(rowOf(cases[i]), cases[i].result.simulated_s);
     }
     const Case& one = cases[first];
     findings.figures["hands"].push_back({{"tilt_period_s", one.tilt_period_s},
@@ -142,23 +147,21 @@ void add(const std::vector<Case>& cases, const HandsOptions& options, Findings& 
                                          {"touched", tally.touched},
                                          {"touched_in_motion", tally.touched_in_motion},
                                          {"fastest_contact_mps", tally.fastest_contact_mps}});
-    char line[200];
-    std::snprintf(
-        line, sizeof line, "| %.3f s | %s | %.1f m/s | %zu | %zu | %zu | %zu | %zu | %.0f mm/s |",
-        one.tilt_period_s, one.side->name, one.hand_mps, tally.trials, tally.seen, tally.stopped,
-        tally.touched, tally.touched_in_motion, 1e3 * tally.fastest_contact_mps);
-    findings.lines.emplace_back(line);
+    table.addRow({fixed(one.tilt_period_s, 3) + " s", one.side->name,
+                  fixed(one.hand_mps, 1) + " m/s", std::to_string(tally.trials),
+                  std::to_string(tally.seen), std::to_string(tally.stopped),
+                  std::to_string(tally.touched), std::to_string(tally.touched_in_motion),
+                  fixed(1e3 * tally.fastest_contact_mps, 0) + " mm/s"});
   }
+  findings.addLines(table.lines());
+  return findings;
 }
 
-Findings runHands(HandsOptions options, const TrialOptions& common, const Progress& progress) {
-  MonitorConfig settings = trialSettings(common);
-  options.trial.monitor = settings.monitor();
+Findings runHands(HandsOptions options, const TrialRun& run) {
   options.trial.obstacle = ObstacleKind::kArm;
-  options.trial.validate();
-  const auto model = std::make_shared<const RobotModel>(dualArmUrdf(), settings.robot);
+  run.prepare(options.trial);
   std::vector<Case> cases = casesOf(options);
-  const auto work = [&](std::size_t i) {
+  run.forEach(cases.size(), [&](std::size_t i) {
     Case& one = cases[i];
     StoppingTrial::Config config = options.trial;
     config.obstacle_speed_mps = one.hand_mps;
@@ -166,34 +169,13 @@ Findings runHands(HandsOptions options, const TrialOptions& common, const Progre
     config.reaches_from_rad = one.side->from_rad;
     config.controller.speed_mps = one.speed_mps;
     config.controller.resume_mps2 = config.controller.acceleration_mps2;
-    one.result = StoppingTrial(config, model, seedOf(common, i)).run();
-  };
-  inParallel(cases.size(), common.jobs, work, progress);
-  Findings findings;
-  findings.settings = {{"trials", options.trials},
-                       {"hand_speeds_mps", options.hand_speeds_mps},
-                       {"tilt_periods_s", options.tilt_periods_s},
-                       {"speeds_mps", options.speeds_mps},
-                       {"noise_m", options.trial.scanner.noise_m},
-                       {"latency_s", options.trial.controller.latency_s},
-                       {"deceleration_mps2", options.trial.controller.acceleration_mps2}};
-  findings.rows =
-      "seed,from,from_rad,hand_mps,tilt_period_s,speed_mps,tilt_phase,outcome,reason,beam_s,stop_s,"
-      "contact_s,contact_speed_mps\n";
-  add(cases, options, findings);
-  return findings;
+    one.result = StoppingTrial(config, run.model, run.seedOf(i)).run();
+  });
+  return findingsOf(cases, options);
 }
 
 }  // namespace
 
-Experiment handsExperiment(CLI::App& app) {
-  auto options = std::make_shared<HandsOptions>();
-  CLI::App* command =
-      app.add_subcommand("hands", "a person's hand reaches for the robot's from side and behind");
-  declare(*command, *options);
-  return {command, [options](const TrialOptions& common, const Progress& progress) {
-            return runHands(*options, common, progress);
-          }};
-}
+Experiment handsExperiment(CLI::App& app) { return experiment(app, kAbout, declare, runHands); }
 
 }  // namespace tccm::simulation

@@ -14,26 +14,7 @@ constexpr double kLongest = 30.0;        // [s] on the way down
 constexpr int kRest = 50;                // robot samples, half a second
 enum Stage : std::size_t { kWait, kTurn, kHover, kDown };
 
-HoverTrial::Config validated(const HoverTrial::Config& config) {
-  config.validate();
-  return config;
-}
-
 }  // namespace
-
-const char* name(HoverTrial::Outcome outcome) {
-  switch (outcome) {
-    case HoverTrial::Outcome::kStopped:
-      return "stopped";
-    case HoverTrial::Outcome::kTouched:
-      return "touched";
-    case HoverTrial::Outcome::kNotStarted:
-      return "not_started";
-    case HoverTrial::Outcome::kUndecided:
-      break;
-  }
-  return "undecided";
-}
 
 void HoverTrial::Config::validate() const {
   ranges.validate();
@@ -46,7 +27,7 @@ void HoverTrial::Config::validate() const {
 
 HoverTrial::HoverTrial(const Config& config, std::shared_ptr<const RobotModel> model,
                        std::uint64_t seed)
-    : config_(validated(config)),
+    : config_((config.validate(), config)),
       seed_(seed),
       scene_(hoverScene(model, config_.ranges, seed)),
       simulation_(simulatorConfig(), config_.monitor, model),
@@ -120,7 +101,7 @@ double HoverTrial::clearanceNow() {
   return clearance(arm_.body(), things_);
 }
 
-std::optional<HoverTrial::Outcome> HoverTrial::outcomeSoFar() {
+std::optional<Outcome> HoverTrial::outcomeSoFar() {
   const Time now = simulation_.simulator().now();
   if (!goesDown()) {
     const bool late = now - start_ > fromSeconds(kLongest + config_.hover_s);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "experiments/hover_scene.h"
+#include "experiments/outcome.h"
 #include "experiments/robot_part.h"
 #include "simulation/monitored_simulation.h"
 
@@ -28,18 +29,13 @@ class HoverTrial {
     void validate() const;
   };
 
-  enum class Outcome {
-    kStopped,     ///< before the object
-    kTouched,     ///< the object, whatever the monitor said
-    kNotStarted,  ///< downwards was not permitted when the time had come
-    kUndecided,   ///< neither within half a minute
-  };
-
   struct Result {
     std::uint64_t seed = 0;
     std::string object, approach;
     double gap_m = 0.0;
     double noise_m = 0.0;
+    /// Not started: downwards was not permitted when the time had come; undecided: nothing came
+    /// of it within half a minute.
     Outcome outcome = Outcome::kUndecided;
     /// Of the verdict that stopped it, at which it was not started, or that permitted the contact.
     std::string reason;
@@ -79,8 +75,5 @@ class HoverTrial {
   std::size_t held_sum_ = 0;
   int at_rest_ = 0;  ///< robot samples in a row, on the way down, at rest on a stop
 };
-
-/// "stopped", "touched", "not_started" or "undecided".
-[[nodiscard]] const char* name(HoverTrial::Outcome outcome);
 
 }  // namespace tccm::simulation

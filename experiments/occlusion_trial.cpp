@@ -14,26 +14,20 @@ namespace {
 constexpr double kSettled = 5.0;  // [s] until the map is whole
 constexpr double kAside = 0.4;    // [m] that an occluder is brought in from
 
-OcclusionTrial::Config validated(const OcclusionTrial::Config& config) {
-  config.validate();
-  return config;
-}
-
 }  // namespace
 
 void OcclusionTrial::Config::validate() const {
   requireInRange("noise_m", noise_m, 0.0, 0.1);
   requireInRange("clearance_m", clearance_m, 0.0, 0.2);
+  requireInRange("resolution_rad", resolution_rad, 1e-3, 0.1);
+  counted.validate();
   requireInRange("obstacle_speed_mps", obstacle_speed_mps, 0.0, 10.0);
   requireInRange("hidden_min", hidden_min, 0.0, 1.0);
-  requireInRange("in_range_min", in_range_min, 0.0, 1.0);
-  requireInRange("silhouette_min_pixels", silhouette_min_pixels, 0.0, 1e4);
-  requireInRange("resolution_rad", resolution_rad, 1e-3, 0.1);
 }
 
 OcclusionTrial::OcclusionTrial(const Config& config, std::shared_ptr<const RobotModel> model,
                                std::uint64_t seed)
-    : config_(validated(config)),
+    : config_((config.validate(), config)),
       model_(std::move(model)),
       scene_(visibilityScene(model_, config_.clearance_m, seed)),
       simulation_(settingFor(seed), config_.monitor, model_),
@@ -86,9 +80,7 @@ std::vector<OcclusionTrial::Watched> OcclusionTrial::watchedLinks() const {
   const double pixel_sr = std::pow(pose.occlusion.resolution_rad, 2);
   std::vector<Watched> watched;
   for (std::size_t i = 0; i < before.size(); ++i) {
-    const bool counts = before[i].in_range >= config_.in_range_min &&
-                        before[i].silhouette_sr >= config_.silhouette_min_pixels * pixel_sr;
-    if (!counts) continue;
+    if (!config_.counted.has(before[i].in_range, before[i].silhouette_sr / pixel_sr)) continue;
     Watched link{before[i].link,
                  before[i].visible_fraction,
                  before[i].visible_fraction - after[i].visible_fraction,

@@ -21,8 +21,7 @@ class OcclusionTrial {
     double clearance_m = 0.08;        ///< between robot and everything else
     double obstacle_speed_mps = 0.0;  ///< it is brought in from aside; 0: it appears at once
     double hidden_min = 0.2;          ///< of a link's silhouette; what hides less is not asked for
-    double in_range_min = 0.98;       ///< share of a link's silhouette that the laser looks at
-    double silhouette_min_pixels = 2.0;
+    LinksThatCount counted;
     double resolution_rad = 0.01;  ///< between the true rays
 
     /// @throws ConfigError

@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "experiments/statistics.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
@@ -17,15 +18,6 @@ constexpr std::size_t kContactsListed = 100;
 
 bool measured(const BeamTruth& truth, const Beam& beam) {
   return beam.measured() && (truth.mixed || truth.label);
-}
-
-double share(std::size_t part, std::size_t whole) {
-  return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
-}
-
-SelfFilterTrial::Config validated(const SelfFilterTrial::Config& config) {
-  config.validate();
-  return config;
 }
 
 Json toJson(const BeamFates& fates) {
@@ -74,7 +66,7 @@ void SelfFilterTrial::Config::validate() const {
 }
 
 SelfFilterTrial::SelfFilterTrial(const Config& config, std::shared_ptr<const RobotModel> model)
-    : config_(validated(config)),
+    : config_((config.validate(), config)),
       simulation_(config.simulator, config.monitor, std::move(model)),
       grid_(config.monitor.mapper.map.grid),
       random_(config.simulator.seed),

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "experiments/options.h"
 #include "experiments/self_filter_trial.h"
 #include "experiments/simulated_settings.h"
 #include "simulation/robot/dual_arm.h"
@@ -38,12 +39,8 @@ void declare(CLI::App& app, Options& options) {
                  "that wander keeps from the scene, now and where it would be 0.5 s later");
   app.add_option("--pause-every-s", options.trial.pause_every_s,
                  "the arms pause this often, for a quarter of it; 0: never");
-  app.add_option("--noise-m", simulator.scanner.noise_m, "standard deviation of a range");
-  app.add_option("--mixed-share", simulator.scanner.mixed_share,
-                 "of the beams that straddle an edge");
-  app.add_option("--mixed-persistence", simulator.scanner.mixed_persistence,
-                 "chance that the next such beam does as this one did: 0 independent, towards 1 "
-                 "longer runs");
+  addNoise(app, simulator.scanner.noise_m);
+  addMixedPixels(app, simulator.scanner);
   app.add_option("--spot-deg", simulator.scanner.spot_deg, "full width of a beam's spot");
   app.add_option("--body-error-m", simulator.body_error.size_m,
                  "how far the true body differs from what the monitor takes it for");
@@ -57,8 +54,7 @@ void declare(CLI::App& app, Options& options) {
   app.add_flag("--no-contacts", options.limits.any_contact,
                "a contact with pixels mixed off the scene alone misses a limit too")
       ->always_capture_default(false);
-  app.add_option("--scene-removed-max", options.limits.scene_share_removed)
-      ->check(CLI::Range(0.0, 1.0));
+  addShare(app, "--scene-removed-max", options.limits.scene_share_removed);
   app.add_option("--out", options.out, "folder for summary.json; made where it is not there")
       ->required()
       ->always_capture_default(false);
@@ -133,22 +129,12 @@ int run(Options& options) {
 
 int main(int argc, char** argv) {
   using namespace tccm::simulation;
-  CLI::App app(
-      "Moves the arms of a simulated robot before its tilting laser, and counts what the self "
-      "filter lets through and what it takes away.",
-      "self_filter_trial");
   Options options;
   options.trial.simulator.motion = "wander";
   options.trial.simulator.scanner.noise_m = 0.01;
   options.trial.simulator.body_error.size_m = 0.005;
-  declare(app, options);
-  try {
-    app.parse(argc, argv);
-    return run(options);
-  } catch (const CLI::Success& help) {
-    return app.exit(help);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "self_filter_trial: %s\n", error.what());
-    return tccm::kBadInput;
-  }
+  return tccm::runProgram("self_filter_trial",
+                          "Moves the arms of a simulated robot before its tilting laser, and "
+                          "counts what the self filter lets through and what it takes away.",
+                          {argv, argv + argc}, declare, run, options);
 }

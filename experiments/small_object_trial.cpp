@@ -16,11 +16,6 @@ const char kScene[] = "empty";
 constexpr double kClearOfRobot = 0.1;  // [m]: what is nearer the self filter takes for the robot
 constexpr double kWhole = 0.999;       // of the box's silhouette
 
-SmallObjectTrial::Config validated(const SmallObjectTrial::Config& config) {
-  config.validate();
-  return config;
-}
-
 SceneObject boxAt(const Vector3& place, double yaw_rad, double size_m) {
   Pose pose = Pose::Identity();
   pose.translation() = place;
@@ -63,7 +58,7 @@ void SmallObjectTrial::Config::validate() const {
 
 SmallObjectTrial::SmallObjectTrial(const Config& config, std::shared_ptr<const RobotModel> model,
                                    const Vector3& place, std::uint64_t seed)
-    : config_(validated(config)),
+    : config_((config.validate(), config)),
       check_(config_.monitor.checker.pose.collision),
       simulation_(settingFor(place, seed), config_.monitor, std::move(model)) {
   simulation_.simulator().setStop(true);

@@ -1,21 +1,31 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <memory>
 #include <optional>
 
 #include "experiments/csv.h"
 #include "experiments/experiment.h"
+#include "experiments/markdown_table.h"
 #include "experiments/nodelet_guardian.h"
-#include "experiments/parallel.h"
+#include "experiments/options.h"
+#include "experiments/statistics.h"
 #include "experiments/stopping_trial.h"
-#include "simulation/robot/dual_arm.h"
 
 namespace tccm::simulation {
 namespace {
 
-using Json = nlohmann::ordered_json;
-using Outcome = StoppingTrial::Outcome;
+constexpr About kAbout = {
+    "stopping", "an arm that stops before what appears in its way",
+    R"(The paper's experiment: the arm stretches over a table, something appears before its hand,
+and the arm brakes when its permission goes. Speeds and obstacles take turns; the tilt's
+phase, the gap, the place aside and the turn are drawn. A contact is avoidable where an arm
+that brakes once the evidence is judged comes to rest before it: evidence is the first beam
+that shows what is in the way, or the first scan that gives it its support, three accepted
+returns within 3 x 3 cells and 30 mm of height. In the way is what the padded arm meets
+before the contact.
+Limits: no contact that support would have avoided, at most --avoidable-max that the first
+beam would have, none of these at 100 mm/s; and no contact at all where the obstacle is
+brought in.)"};
 
 struct StoppingOptions {
   StoppingTrial::Config trial;
@@ -29,38 +39,19 @@ struct StoppingOptions {
 
 void declare(CLI::App& command, StoppingOptions& options) {
   StoppingTrial::Config& trial = options.trial;
-  command.footer(
-      "The paper's experiment: the arm stretches over a table, something appears before its hand,\n"
-      "and the arm brakes when its permission goes. Speeds and obstacles take turns; the tilt's\n"
-      "phase, the gap, the place aside and the turn are drawn. A contact is avoidable where an "
-      "arm\n"
-      "that brakes once the evidence is judged comes to rest before it: evidence is the first "
-      "beam\n"
-      "that shows what is in the way, or the first scan that gives it its support, three accepted\n"
-      "returns within 3 x 3 cells and 30 mm of height. In the way is what the padded arm meets\n"
-      "before the contact.\n"
-      "Limits: no contact that support would have avoided, at most --avoidable-max that the first\n"
-      "beam would have, none of these at 100 mm/s; and no contact at all where the obstacle is\n"
-      "brought in.");
-  command.option_defaults()->always_capture_default();
   command.add_option("--trials", options.trials)->check(CLI::Range(1, 1000000));
-  command.add_option("--speeds", options.speeds_mps, "of the hand [m/s]")
-      ->delimiter(',')
-      ->check(CLI::Range(0.01, 2.0));
-  command.add_option("--obstacles", options.obstacles)
-      ->delimiter(',')
-      ->check(CLI::IsMember({"pole", "arm", "box"}));
+  addList(command, "--speeds", options.speeds_mps, CLI::Range(0.01, 2.0), "of the hand [m/s]");
+  addList(command, "--obstacles", options.obstacles, CLI::IsMember({"pole", "arm", "box"}));
   command.add_option("--obstacle-speed", trial.obstacle_speed_mps,
                      "brought in from aside at [m/s]; 0: it appears at once");
   command.add_option("--gap-min-m", trial.gap_min_m, "between hand and obstacle");
   command.add_option("--gap-max-m", trial.gap_max_m);
   command.add_option("--aside-m", trial.aside_max_m, "at most, of the middle of the way");
   command.add_option("--turn-rad", trial.turn_max_rad, "at most");
-  command.add_option("--noise-m", trial.scanner.noise_m, "standard deviation of a range");
+  addNoise(command, trial.scanner.noise_m);
   command.add_option("--tilt-period-s", trial.tilt_period_s);
   command.add_option("--body-error-m", trial.body_error_m, "by which the robot's parts are aside");
-  command.add_option("--latency-s", trial.controller.latency_s, "from the stop to the brake");
-  command.add_option("--deceleration", trial.controller.acceleration_mps2, "of the hand [m/s^2]");
+  addBraking(command, trial.controller, "the hand");
   command.add_flag("--obey-scale", trial.obeys_scale, "the arm scales its speed as it is told")
       ->always_capture_default(false);
   command.add_flag("--ros", options.through_nodelets,
@@ -72,10 +63,25 @@ void declare(CLI::App& command, StoppingOptions& options) {
           "above 0: the speed is governed, the arm obeys the scale, collision_padding_m is at "
           "least 0.04, and what appears may do so at any speed; then no contact at all may be")
       ->check(CLI::Range(0.0, 0.25));
-  command
-      .add_option("--avoidable-max", options.avoidable_max,
-                  "share of the trials at a speed above 100 mm/s")
-      ->check(CLI::Range(0.0, 1.0));
+  addShare(command, "--avoidable-max", options.avoidable_max,
+           "share of the trials at a speed above 100 mm/s");
+}
+
+Json settingsOf(const StoppingOptions& options) {
+  return {
+      {"speeds_mps", options.speeds_mps},
+      {"obstacles", options.obstacles},
+      {"obstacle_speed_mps", options.trial.obstacle_speed_mps},
+      {"gap_m", {options.trial.gap_min_m, options.trial.gap_max_m}},
+      {"noise_m", options.trial.scanner.noise_m},
+      {"tilt_period_s", options.trial.tilt_period_s},
+      {"body_error_m", options.trial.body_error_m},
+      {"latency_s", options.trial.controller.latency_s},
+      {"deceleration_mps2", options.trial.controller.acceleration_mps2},
+      {"obeys_scale", options.trial.obeys_scale},
+      {"appear_distance_m", options.appear_distance_m},
+      {"collision_padding_m", options.trial.monitor.checker.pose.collision_use.expansion.padding_m},
+      {"through_nodelets", options.through_nodelets}};
 }
 
 /// A trial with what it was about.
@@ -85,30 +91,29 @@ struct Case {
   StoppingTrial::Result result;
 };
 
-std::string orNothing(const std::optional<double>& number) {
-  return number ? fixed(*number, 4) : "";
-}
+constexpr char kColumns[] =
+    "seed,speed_mps,obstacle,gap_m,aside_m,turn_rad,tilt_phase,outcome,reason,left_m,beam_s,"
+    "way_beam_s,support_s,due_s,stop_s,contact_s,delay_scans,avoidable_from_beam,avoidable_from_"
+    "support,cause";
 
 std::string rowOf(const Case& one) {
   const StoppingTrial::Result& r = one.result;
-  return std::to_string(r.seed) + ',' + fixed(one.speed_mps, 3) + ',' + one.obstacle + ',' +
-         fixed(r.gap_m, 4) + ',' + fixed(r.aside_m, 4) + ',' + fixed(r.turn_rad, 4) + ',' +
-         fixed(r.tilt_phase, 4) + ',' + name(r.outcome) + ',' + r.reason + ',' +
-         orNothing(r.left_m) + ',' + orNothing(r.beam_s) + ',' + orNothing(r.way_beam_s) + ',' +
-         orNothing(r.support_s) + ',' + orNothing(r.due_s) + ',' + orNothing(r.stop_s) + ',' +
-         orNothing(r.contact_s) + ',' + (r.delay_scans ? std::to_string(*r.delay_scans) : "") +
-         ',' + (r.avoidable_from_beam ? "1," : "0,") + (r.avoidable_from_support ? "1," : "0,") +
-         (r.cause ? name(*r.cause) : "") + '\n';
+  return csvRow(r.seed, fixed(one.speed_mps, 3), one.obstacle, fixed(r.gap_m, 4),
+                fixed(r.aside_m, 4), fixed(r.turn_rad, 4), fixed(r.tilt_phase, 4), name(r.outcome),
+                r.reason, fixed(r.left_m, 4), fixed(r.beam_s, 4), fixed(r.way_beam_s, 4),
+                fixed(r.support_s, 4), fixed(r.due_s, 4), fixed(r.stop_s, 4), fixed(r.contact_s, 4),
+                r.delay_scans ? std::to_string(*r.delay_scans) : "", r.avoidable_from_beam,
+                r.avoidable_from_support, r.cause ? name(*r.cause) : "");
 }
 
 /// Null where there are none.
 Json quantiles(std::vector<double> values) {
   if (values.empty()) return nullptr;
   std::sort(values.begin(), values.end());
-  const auto at = [&values](double share) {
-    return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
-  };
-  return {{"least", at(0.0)}, {"p50", at(0.5)}, {"p99", at(0.99)}, {"most", at(1.0)}};
+  return {{"least", values.front()},
+          {"p50", quantile(values, 0.5)},
+          {"p99", quantile(values, 0.99)},
+          {"most", values.back()}};
 }
 
 /// What became of the trials of one kind.
@@ -116,7 +121,7 @@ class Tally {
  public:
   void add(const StoppingTrial::Result& result) {
     ++trials_;
-    ++outcomes_[result.outcome];
+    outcomes_.add(result.outcome);
     if (result.avoidable_from_beam) ++avoidable_from_beam_;
     if (result.avoidable_from_support) ++avoidable_from_support_;
     if (result.delay_scans) delays_.push_back(static_cast<double>(*result.delay_scans));
@@ -128,21 +133,14 @@ class Tally {
     if (result.outcome == Outcome::kStopped) left_mm_.push_back(1e3 * *result.left_m);
   }
 
-  [[nodiscard]] std::size_t of(Outcome outcome) const {
-    const auto found = outcomes_.find(outcome);
-    return found == outcomes_.end() ? 0 : found->second;
-  }
+  [[nodiscard]] const OutcomeCounts& outcomes() const { return outcomes_; }
   [[nodiscard]] std::size_t avoidableFromSupport() const { return avoidable_from_support_; }
   [[nodiscard]] double shareAvoidableFromBeam() const {
-    return static_cast<double>(avoidable_from_beam_) /
-           static_cast<double>(std::max<std::size_t>(trials_, 1));
+    return share(avoidable_from_beam_, trials_);
   }
   [[nodiscard]] Json toJson() const {
     Json json = {{"trials", trials_}};
-    for (const Outcome outcome :
-         {Outcome::kStopped, Outcome::kTouched, Outcome::kNotStarted, Outcome::kUndecided}) {
-      json[name(outcome)] = of(outcome);
-    }
+    outcomes_.addTo(json);
     json["avoidable_from_first_beam"] = avoidable_from_beam_;
     json["avoidable_from_support"] = avoidable_from_support_;
     json["delay_scans"] = quantiles(delays_);
@@ -151,21 +149,21 @@ class Tally {
     return json;
   }
   [[nodiscard]] std::string line(const std::string& what) const {
-    char text[240];
-    std::snprintf(text, sizeof text,
-                  "%-14s %5zu trials: %zu stopped, %zu touched (%zu avoidable from the first beam, "
-                  "%zu from its support), %zu not started, %zu undecided",
-                  what.c_str(), trials_, of(Outcome::kStopped), of(Outcome::kTouched),
-                  avoidable_from_beam_, avoidable_from_support_, of(Outcome::kNotStarted),
-                  of(Outcome::kUndecided));
-    return text;
+    return formatted(
+        "%-14s %5zu trials: %zu stopped, %zu touched (%zu avoidable from the first beam, %zu from "
+        "its support), %zu not started, %zu undecided",
+        what.c_str(), trials_, outcomes_.of(Outcome::kStopped), outcomes_.of(Outcome::kTouched),
+        avoidable_from_beam_, avoidable_from_support_, outcomes_.of(Outcome::kNotStarted),
+        outcomes_.of(Outcome::kUndecided));
   }
 
  private:
   std::size_t trials_ = 0, avoidable_from_beam_ = 0, avoidable_from_support_ = 0;
-  std::map<Outcome, std::size_t> outcomes_;
+  OutcomeCounts outcomes_;
   std::vector<double> delays_, waits_ms_, left_mm_;
 };
+
+std::string speedName(double speed_mps) { return fixed(1e3 * speed_mps, 0) + " mm/s"; }
 
 /// Contacts by what caused them, over speed and phase of the tilt when the obstacle appeared.
 class CausesByPhase {
@@ -183,23 +181,20 @@ class CausesByPhase {
     }
     return rows;
   }
-  /// A table in Markdown; empty where nothing touched.
+  /// Empty where nothing touched.
   [[nodiscard]] std::vector<std::string> table() const {
     if (counts_.empty()) return {};
-    std::vector<std::string> lines = {"| contacts at | because | by phase of the tilt, from 0",
-                                      "|---:|---|---:"};
-    for (std::size_t i = 1; i < kPhases; ++i) {
-      lines[0] += " | " + fixed(static_cast<double>(i) / kPhases, 3);
-      lines[1] += "|---:";
-    }
-    lines[0] += " |";
-    lines[1] += '|';
+    MarkdownTable table;
+    table.addColumn("contacts at");
+    table.addColumn("because", MarkdownTable::Column::kText);
+    table.addColumn("by phase of the tilt, from 0");
+    for (std::size_t i = 1; i < kPhases; ++i) table.addColumn(fixed(share(i, kPhases), 3));
     for (const auto& [key, counts] : counts_) {
-      std::string line = "| " + fixed(1e3 * key.first, 0) + " mm/s | " + name(key.second);
-      for (const std::size_t count : counts) line += " | " + std::to_string(count);
-      lines.push_back(line + " |");
+      std::vector<std::string> cells = {speedName(key.first), name(key.second)};
+      for (const std::size_t count : counts) cells.push_back(std::to_string(count));
+      table.addRow(cells);
     }
-    return lines;
+    return table.lines();
   }
 
  private:
@@ -210,10 +205,9 @@ class CausesByPhase {
   std::map<std::pair<double, StoppingTrial::Cause>, std::array<std::size_t, kPhases>> counts_;
 };
 
-std::string speedName(double speed_mps) { return fixed(1e3 * speed_mps, 0) + " mm/s"; }
-
-void add(const std::vector<Case>& cases, const StoppingOptions& options, Findings& findings) {
+Findings findingsOf(const std::vector<Case>& cases, const StoppingOptions& options) {
   constexpr double kSlow = 0.1001;  // [m/s]
+  Findings findings(settingsOf(options), kColumns);
   Tally all;
   std::vector<double> processing_us;
   std::map<double, Tally> by_speed;
@@ -221,8 +215,7 @@ void add(const std::vector<Case>& cases, const StoppingOptions& options, Finding
   CausesByPhase causes;
   for (const Case& one : cases) {
     causes.add(one.speed_mps, one.result);
-    findings.rows += rowOf(one);
-    findings.simulated_s += one.result.simulated_s;
+    findings.add(rowOf(one), one.result.simulated_s);
     all.add(one.result);
     processing_us.insert(processing_us.end(), one.result.processing_us.begin(),
                          one.result.processing_us.end());
@@ -244,16 +237,16 @@ void add(const std::vector<Case>& cases, const StoppingOptions& options, Finding
   findings.figures["all"] = all.toJson();
   findings.figures["contacts"] = causes.toJson();
   findings.lines.push_back(all.line("all"));
-  for (const std::string& line : causes.table()) findings.lines.push_back(line);
+  findings.addLines(causes.table());
   if (all.avoidableFromSupport() > 0) findings.missed.emplace_back("avoidable_from_support");
   if (beam_missed) findings.missed.emplace_back("avoidable_from_first_beam");
   const bool none_may_touch =
       options.trial.obstacle_speed_mps > 0.0 || options.appear_distance_m > 0.0;
-  if (none_may_touch && all.of(Outcome::kTouched) > 0) {
+  if (none_may_touch && all.outcomes().of(Outcome::kTouched) > 0) {
     findings.missed.emplace_back("contacts");
   }
-  if (all.of(Outcome::kNotStarted) > 0) findings.missed.emplace_back("not_started");
-  if (all.of(Outcome::kUndecided) > 0) findings.missed.emplace_back("undecided");
+  all.outcomes().addMissed(findings.missed);
+  return findings;
 }
 
 /// The hand's links alone: places ahead of elbows are mostly out of the tilt's range. A face that
@@ -271,22 +264,20 @@ void govern(MonitorConfig& settings, StoppingOptions& options) {
   options.trial.appear_speed_share = kMoving;
 }
 
-Findings runStopping(StoppingOptions options, const TrialOptions& common,
-                     const Progress& progress) {
+Findings runStopping(StoppingOptions options, const TrialRun& run) {
   if (options.through_nodelets && options.appear_distance_m > 0.0) {
     throw InputError(
         "--ros: whether the speed is governed is up to the nodelets' appear_distance_m; "
         "--appear-distance-m goes without it");
   }
-  MonitorConfig settings = trialSettings(common);
+  MonitorConfig settings = run.settings;
   if (options.appear_distance_m > 0.0) govern(settings, options);
   options.trial.monitor = settings.monitor();
   options.trial.validate();
-  const auto model = std::make_shared<const RobotModel>(dualArmUrdf(), settings.robot);
   std::vector<Case> cases(options.trials);
   std::optional<NodeletGuardian> nodelets;
   if (options.through_nodelets) nodelets.emplace(options.trial.start);
-  const auto work = [&](std::size_t i) {
+  const auto runCase = [&](std::size_t i) {
     Case& one = cases[i];
     one.speed_mps = options.speeds_mps[i % options.speeds_mps.size()];
     one.obstacle = options.obstacles[i / options.speeds_mps.size() % options.obstacles.size()];
@@ -298,42 +289,17 @@ Findings runStopping(StoppingOptions options, const TrialOptions& common,
       config.guardian = &*nodelets;
       config.start = nodelets->nextStart();
     }
-    one.result = StoppingTrial(config, model, seedOf(common, i)).run();
+    one.result = StoppingTrial(config, run.model, run.seedOf(i)).run();
   };
-  inParallel(cases.size(), nodelets ? 1 : common.jobs, work, progress);
-  Findings findings;
-  findings.settings = {
-      {"speeds_mps", options.speeds_mps},
-      {"obstacles", options.obstacles},
-      {"obstacle_speed_mps", options.trial.obstacle_speed_mps},
-      {"gap_m", {options.trial.gap_min_m, options.trial.gap_max_m}},
-      {"noise_m", options.trial.scanner.noise_m},
-      {"tilt_period_s", options.trial.tilt_period_s},
-      {"body_error_m", options.trial.body_error_m},
-      {"latency_s", options.trial.controller.latency_s},
-      {"deceleration_mps2", options.trial.controller.acceleration_mps2},
-      {"obeys_scale", options.trial.obeys_scale},
-      {"appear_distance_m", options.appear_distance_m},
-      {"collision_padding_m", options.trial.monitor.checker.pose.collision_use.expansion.padding_m},
-      {"through_nodelets", options.through_nodelets}};
-  findings.rows =
-      "seed,speed_mps,obstacle,gap_m,aside_m,turn_rad,tilt_phase,outcome,reason,left_m,beam_s,"
-      "way_beam_s,support_s,due_s,stop_s,contact_s,delay_scans,avoidable_from_beam,avoidable_from_"
-      "support,cause\n";
-  add(cases, options, findings);
-  return findings;
+  // The nodelets hear one robot.
+  inParallel(cases.size(), nodelets ? 1 : run.options.jobs, runCase, run.progress);
+  return findingsOf(cases, options);
 }
 
 }  // namespace
 
 Experiment stoppingExperiment(CLI::App& app) {
-  auto options = std::make_shared<StoppingOptions>();
-  CLI::App* command =
-      app.add_subcommand("stopping", "an arm that stops before what appears in its way");
-  declare(*command, *options);
-  return {command, [options](const TrialOptions& common, const Progress& progress) {
-            return runStopping(*options, common, progress);
-          }};
+  return experiment(app, kAbout, declare, runStopping);
 }
 
 }  // namespace tccm::simulation

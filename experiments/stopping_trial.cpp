@@ -28,11 +28,6 @@ constexpr double kAfterwards = 10.0;  // [s] from the obstacle on
 constexpr int kRest = 30;             // robot samples
 constexpr double kCrawls = 0.002;     // [m/s]
 
-StoppingTrial::Config validated(const StoppingTrial::Config& config) {
-  config.validate();
-  return config;
-}
-
 /// Straight ahead; slantwise, with room for an obstacle to be brought in meanwhile; and where the
 /// laser looks at the whole hand, for one whose speed follows from its looks.
 ArmPath pathOf(const StoppingTrial::Config& config,
@@ -51,32 +46,10 @@ std::vector<std::string> reachingLinks() {
 
 }  // namespace
 
-const char* name(StoppingTrial::Outcome outcome) {
-  switch (outcome) {
-    case StoppingTrial::Outcome::kStopped:
-      return "stopped";
-    case StoppingTrial::Outcome::kTouched:
-      return "touched";
-    case StoppingTrial::Outcome::kNotStarted:
-      return "not_started";
-    case StoppingTrial::Outcome::kUndecided:
-      break;
-  }
-  return "undecided";
-}
-
 const char* name(StoppingTrial::Cause cause) {
-  switch (cause) {
-    case StoppingTrial::Cause::kNotLookedAt:
-      return "not_looked_at";
-    case StoppingTrial::Cause::kLookedAtTooLate:
-      return "looked_at_too_late";
-    case StoppingTrial::Cause::kSupportedTooLate:
-      return "supported_too_late";
-    case StoppingTrial::Cause::kAvoidable:
-      break;
-  }
-  return "avoidable";
+  constexpr std::array kNames = {"not_looked_at", "looked_at_too_late", "supported_too_late",
+                                 "avoidable"};
+  return kNames[static_cast<std::size_t>(cause)];
 }
 
 void StoppingTrial::Config::validate() const {
@@ -99,7 +72,7 @@ void StoppingTrial::Config::validate() const {
 
 StoppingTrial::StoppingTrial(const Config& config, std::shared_ptr<const RobotModel> model,
                              std::uint64_t seed)
-    : config_(validated(config)),
+    : config_((config.validate(), config)),
       model_(model),
       path_(pathOf(config_, model)),
       kinematics_(model),
@@ -332,7 +305,7 @@ Body StoppingTrial::obstacleNow() const {
   return obstacle;
 }
 
-std::optional<StoppingTrial::Outcome> StoppingTrial::outcomeSoFar() {
+std::optional<Outcome> StoppingTrial::outcomeSoFar() {
   const Simulator& simulator = simulation_.simulator();
   if (!appeared_) {
     const bool late = simulator.now() - start_ > fromSeconds(kLongest);

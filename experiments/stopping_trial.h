@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "experiments/outcome.h"
 #include "experiments/robot_part.h"
 #include "map/grid.h"
 #include "simulation/monitored_simulation.h"
@@ -41,13 +42,6 @@ class StoppingTrial {
     void validate() const;
   };
 
-  enum class Outcome {
-    kStopped,     ///< without a contact
-    kTouched,     ///< a contact
-    kNotStarted,  ///< no obstacle came: the arm was never on its way at full speed
-    kUndecided,   ///< neither until the end
-  };
-
   /// Why an arm touches.
   enum class Cause {
     kNotLookedAt,       ///< no beam met what is in the way before the contact
@@ -61,6 +55,7 @@ class StoppingTrial {
     double gap_m = 0.0, aside_m = 0.0, turn_rad = 0.0;
     std::optional<double> reaches_from_rad;
     double tilt_phase = 0.0;  ///< of a period, when the obstacle appeared, 0..1
+    /// Not started: no obstacle came, as the arm was never on its way at full speed.
     Outcome outcome = Outcome::kUndecided;
     std::string reason;  ///< why the permission went
     /// From the arm to the obstacle, at rest, by FCL; nothing where none came.
@@ -144,7 +139,6 @@ class StoppingTrial {
   int at_rest_ = 0;  ///< robot samples
 };
 
-[[nodiscard]] const char* name(StoppingTrial::Outcome outcome);
 [[nodiscard]] const char* name(StoppingTrial::Cause cause);
 
 }  // namespace tccm::simulation

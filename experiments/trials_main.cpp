@@ -71,7 +71,7 @@ void writeTiming(const TrialOptions& options, const Findings& findings, double t
 int run(const Experiment& experiment, const TrialOptions& options) {
   makeFolder(options.out);
   const auto start = std::chrono::steady_clock::now();
-  const Findings findings = experiment.run(options, progressBar());
+  const Findings findings = experiment.run(TrialRun(options, progressBar()));
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   write(options, experiment.command->get_name(), findings);
   for (const std::string& line : findings.lines) std::printf("%s\n", line.c_str());
@@ -105,16 +105,7 @@ int main(int argc, char** argv) {
       governedExperiment(app),   handsExperiment(app),   falseStopsExperiment(app),
       occlusionExperiment(app),  updatesExperiment(app), dynamicExperiment(app),
       smallObjectExperiment(app)};
-  try {
-    // roslaunch adds arguments of its own; CLI11 takes the last first, without the program's name.
-    std::vector<std::string> arguments;
-    ros::removeROSArgs(argc, argv, arguments);
-    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend() - 1));
-    return run(chosen(experiments), options);
-  } catch (const CLI::Success& help) {
-    return app.exit(help);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "trials: %s\n", error.what());
-    return tccm::kBadInput;
-  }
+  std::vector<std::string> arguments;  // roslaunch adds some of its own
+  ros::removeROSArgs(argc, argv, arguments);
+  return tccm::runProgram(app, arguments, [&] { return run(chosen(experiments), options); });
 }

@@ -8,13 +8,24 @@
 
 #include "experiments/csv.h"
 #include "experiments/experiment.h"
+#include "experiments/markdown_table.h"
+#include "experiments/options.h"
+#include "experiments/statistics.h"
 #include "map/integration_map.h"
 #include "simulation/monitored_simulation.h"
-#include "simulation/robot/dual_arm.h"
 #include "support/literal_map.h"
 
 namespace tccm::simulation {
 namespace {
+
+constexpr About kAbout = {
+    "updates", "what an update of the map takes, and how light the map is",
+    R"(The paper's Fig. 9: what one scan's update of the map takes, by replacement and by adding
+all part maps anew, over the number of part maps; the same scans of a tilt over a table,
+places of the returns found in either. Means over all scans, of each one's median, stand in
+timing.json. Then the cuboids of a whole sweep of each scene, and their bytes.
+Limits: with 200 part maps replacement takes at most 1.3 times as long as with 5; with 40
+it is at least 30 times as fast as adding.)"};
 
 using Points = std::vector<Vector3>;
 using Clock = std::chrono::steady_clock;
@@ -30,18 +41,7 @@ struct UpdatesOptions {
 };
 
 void declare(CLI::App& command, UpdatesOptions& options) {
-  command.footer(
-      "The paper's Fig. 9: what one scan's update of the map takes, by replacement and by adding\n"
-      "all part maps anew, over the number of part maps; the same scans of a tilt over a table,\n"
-      "places of the returns found in either. Means over all scans, of each one's median, stand "
-      "in\n"
-      "timing.json. Then the cuboids of a whole sweep of each scene, and their bytes.\n"
-      "Limits: with 200 part maps replacement takes at most 1.3 times as long as with 5; with 40\n"
-      "it is at least 30 times as fast as adding.");
-  command.option_defaults()->always_capture_default();
-  command.add_option("--windows", options.windows, "part maps, rising")
-      ->delimiter(',')
-      ->check(CLI::Range(1, 500));
+  addList(command, "--windows", options.windows, CLI::Range(1, 500), "part maps, rising");
   command.add_option("--steps", options.steps, "timed of each by replacement")
       ->check(CLI::Range(1, 1000000));
   command.add_option("--additions", options.additions, "timed of each by adding")
@@ -56,14 +56,12 @@ struct Sweep {
   std::size_t returns = 0;  ///< in the map's window: in the others
 };
 
-Sweep sweepOf(const std::string& scene, const MonitorConfig& settings, std::uint64_t seed,
-              std::size_t scans) {
+Sweep sweepOf(const std::string& scene, const TrialRun& run, std::size_t scans) {
   constexpr double kWhole = 5.0;  // [s] after which the map holds a tilt
   Simulator::Config config;
   config.scene = scene;
-  config.seed = seed;
-  const auto model = std::make_shared<const RobotModel>(dualArmUrdf(), settings.robot);
-  MonitoredSimulation simulation(config, settings.monitor(), model);
+  config.seed = run.options.seed;
+  MonitoredSimulation simulation(config, run.settings.monitor(), run.model);
   simulation.simulator().setStop(true);  // the arms stay where they begin
   Sweep sweep;
   const Time start = simulation.simulator().now();
@@ -177,80 +175,79 @@ double addition(const Sweep& sweep, const IntegrationMap::Config& config, std::s
   return columns > 0 ? times.typical() : 0.0;
 }
 
-Findings runUpdates(const UpdatesOptions& options, const TrialOptions& common,
-                    const Progress& progress) {
+void add(const std::string& scene, const Sweep& sweep, Findings& findings) {
+  const std::size_t bytes = sweep.cuboids * sizeof(Cuboid);
+  findings.add(csvRow(scene, sweep.cuboids, sweep.held, sweep.returns, bytes),
+               0.028 * static_cast<double>(sweep.scans.size()) + 5.0);
+  findings.figures["scenes"].push_back({{"scene", scene},
+                                        {"cuboids", sweep.cuboids},
+                                        {"held", sweep.held},
+                                        {"returns", sweep.returns},
+                                        {"bytes", bytes}});
+  findings.lines.push_back(
+      formatted("%s: %zu cuboids, %zu of them held, of %zu returns in the window, %zu bytes",
+                scene.c_str(), sweep.cuboids, sweep.held, sweep.returns, bytes));
+}
+
+/// All windows, in turn.
+std::vector<Replacement> replacementsOf(const Sweep& sweep, const IntegrationMap::Config& config,
+                                        const UpdatesOptions& options) {
   constexpr std::size_t kRounds = 3;
-  constexpr double kRise = 1.3;
-  constexpr double kFaster = 30.0;
-  const MonitorConfig settings = trialSettings(common);
-  const IntegrationMap::Config config = settings.monitor().mapper.map;
-  Findings findings;
-  findings.settings = {
-      {"windows", options.windows}, {"steps", options.steps}, {"additions", options.additions}};
-  findings.rows = "scene,cuboids,held,returns,bytes\n";
-  std::vector<Sweep> sweeps;
-  for (const std::string& scene : options.scenes) {
-    // Of the others the map is wanted alone.
-    sweeps.push_back(sweepOf(scene, settings, common.seed, sweeps.empty() ? kScans : 1));
-    const Sweep& sweep = sweeps.back();
-    const std::size_t bytes = sweep.cuboids * sizeof(Cuboid);
-    findings.simulated_s += 0.028 * static_cast<double>(sweep.scans.size()) + 5.0;
-    findings.rows += scene + ',' + std::to_string(sweep.cuboids) + ',' +
-                     std::to_string(sweep.held) + ',' + std::to_string(sweep.returns) + ',' +
-                     std::to_string(bytes) + '\n';
-    findings.figures["scenes"].push_back({{"scene", scene},
-                                          {"cuboids", sweep.cuboids},
-                                          {"held", sweep.held},
-                                          {"returns", sweep.returns},
-                                          {"bytes", bytes}});
-    findings.lines.push_back(scene + ": " + std::to_string(sweep.cuboids) + " cuboids, " +
-                             std::to_string(sweep.held) + " of them held, of " +
-                             std::to_string(sweep.returns) + " returns in the window, " +
-                             std::to_string(bytes) + " bytes");
-  }
-  findings.lines.emplace_back("| part maps | replacement [us] | adding all [us] | ratio |");
-  findings.lines.emplace_back("|---:|---:|---:|---:|");
-  double ratio_at_40 = kFaster;
-  const auto simulated = Clock::now();
   std::vector<Replacement> replacements;
-  for (const std::size_t window : options.windows) {
-    replacements.emplace_back(sweeps.front(), config, window);
-  }
+  for (const std::size_t window : options.windows) replacements.emplace_back(sweep, config, window);
   for (std::size_t round = 0; round < kRounds; ++round) {
     for (Replacement& replacement : replacements) replacement.measure(options.steps);
   }
+  return replacements;
+}
+
+void compare(const Sweep& sweep, const IntegrationMap::Config& config,
+             const UpdatesOptions& options, const Progress& progress, Findings& findings) {
+  constexpr double kRise = 1.3;
+  constexpr double kFaster = 30.0;
+  const std::vector<Replacement> replacements = replacementsOf(sweep, config, options);
+  MarkdownTable table;
+  for (const char* column : {"part maps", "replacement [us]", "adding all [us]", "ratio"}) {
+    table.addColumn(column);
+  }
+  double ratio_at_40 = kFaster;
   for (std::size_t i = 0; i < options.windows.size(); ++i) {
     const std::size_t window = options.windows[i];
     const double replace_us = replacements[i].best();
-    const double add_us = addition(sweeps.front(), config, window, options.additions);
+    const double add_us = addition(sweep, config, window, options.additions);
     if (window == 40) ratio_at_40 = add_us / replace_us;
     findings.timing["updates"].push_back(
         {{"part_maps", window}, {"replacement_us", replace_us}, {"addition_us", add_us}});
-    findings.lines.push_back("| " + std::to_string(window) + " | " + fixed(replace_us, 1) + " | " +
-                             fixed(add_us, 0) + " | " + fixed(add_us / replace_us, 1) + " |");
-    if (progress)
-      progress(static_cast<double>(i + 1) / static_cast<double>(options.windows.size()));
+    table.addRow({std::to_string(window), fixed(replace_us, 1), fixed(add_us, 0),
+                  fixed(add_us / replace_us, 1)});
+    if (progress) progress(share(i + 1, options.windows.size()));
   }
-  findings.not_simulating_s = std::chrono::duration<double>(Clock::now() - simulated).count();
   const double rise = replacements.back().best() / replacements.front().best();
-  findings.lines.push_back("rise           " + fixed(rise, 2) + " times from " +
-                           std::to_string(options.windows.front()) + " to " +
-                           std::to_string(options.windows.back()) + " part maps");
+  findings.addLines(table.lines());
+  findings.lines.push_back(formatted("rise           %.2f times from %zu to %zu part maps", rise,
+                                     options.windows.front(), options.windows.back()));
   if (rise > kRise) findings.missed.emplace_back("rise");
   if (ratio_at_40 < kFaster) findings.missed.emplace_back("ratio_at_40");
+}
+
+Findings runUpdates(UpdatesOptions options, const TrialRun& run) {
+  Findings findings(
+      {{"windows", options.windows}, {"steps", options.steps}, {"additions", options.additions}},
+      "scene,cuboids,held,returns,bytes");
+  std::vector<Sweep> sweeps;
+  for (const std::string& scene : options.scenes) {
+    // Of the others the map is wanted alone.
+    sweeps.push_back(sweepOf(scene, run, sweeps.empty() ? kScans : 1));
+    add(scene, sweeps.back(), findings);
+  }
+  const auto simulated = Clock::now();
+  compare(sweeps.front(), run.settings.monitor().mapper.map, options, run.progress, findings);
+  findings.not_simulating_s = std::chrono::duration<double>(Clock::now() - simulated).count();
   return findings;
 }
 
 }  // namespace
 
-Experiment updatesExperiment(CLI::App& app) {
-  auto options = std::make_shared<UpdatesOptions>();
-  CLI::App* command =
-      app.add_subcommand("updates", "what an update of the map takes, and how light the map is");
-  declare(*command, *options);
-  return {command, [options](const TrialOptions& common, const Progress& progress) {
-            return runUpdates(*options, common, progress);
-          }};
-}
+Experiment updatesExperiment(CLI::App& app) { return experiment(app, kAbout, declare, runUpdates); }
 
 }  // namespace tccm::simulation

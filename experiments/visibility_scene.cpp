@@ -55,6 +55,11 @@ std::optional<World> obstacleFor(ObstacleKind kind, const Model& model, RobotPar
 
 }  // namespace
 
+void LinksThatCount::validate() const {
+  requireInRange("in_range_min", in_range_min, 0.0, 1.0);
+  requireInRange("silhouette_min_pixels", silhouette_min_pixels, 0.0, 1e4);
+}
+
 VisibilityScene visibilityScene(const Model& model, double clearance_m, std::uint64_t seed) {
   constexpr int kAttempts = 1000;
   static const std::array<const char*, 4> kObstacles = {"none", "pole", "arm", "box"};

@@ -21,6 +21,18 @@ struct VisibilityScene {
   std::vector<double> joints;  ///< of the model's variables
 };
 
+/// Which of its links are of a size to be judged, and in the laser's range.
+struct LinksThatCount {
+  double in_range_min = 0.98;  ///< share of a link's silhouette that the laser looks at
+  double silhouette_min_pixels = 2.0;
+
+  /// @throws ConfigError
+  void validate() const;
+  [[nodiscard]] bool has(double in_range, double silhouette_pixels) const {
+    return in_range >= in_range_min && silhouette_pixels >= silhouette_min_pixels;
+  }
+};
+
 /// The same for the same seed. The obstacle lies across the way from the sensor to somewhere on the
 /// arms, or beside it, in the area ahead of the robot, and touches neither arms nor head.
 /// @throws ConfigError where none is found.

@@ -5,16 +5,12 @@
 #include <utility>
 
 #include "experiments/visibility_scene.h"
+#include "simulation/named.h"
 #include "simulation/robot/dual_arm.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
 namespace {
-
-VisibilityTrial::Config validated(const VisibilityTrial::Config& config) {
-  config.validate();
-  return config;
-}
 
 Simulator::Config settingOf(const VisibilityTrial::Config& config,
                             const std::shared_ptr<const RobotModel>& model,
@@ -37,9 +33,7 @@ Simulator::Config settingOf(const VisibilityTrial::Config& config,
 }  // namespace
 
 VisibilityTrial::Robot visibilityRobot(const std::string& name) {
-  if (name == "in_pose") return VisibilityTrial::Robot::kInPose;
-  if (name == "away") return VisibilityTrial::Robot::kAway;
-  throw ConfigError("robot: " + name + " is none of in_pose, away");
+  return named<VisibilityTrial::Robot>("robot", name, {"in_pose", "away"});
 }
 
 void VisibilityTrial::Config::validate() const {
@@ -50,7 +44,7 @@ void VisibilityTrial::Config::validate() const {
 
 VisibilityTrial::VisibilityTrial(const Config& config, std::shared_ptr<const RobotModel> model,
                                  std::uint64_t seed)
-    : config_(validated(config)),
+    : config_((config.validate(), config)),
       model_(std::move(model)),
       scene_(visibilityScene(model_, config_.clearance_m, seed)),
       simulation_(settingOf(config_, model_, scene_, seed), config_.monitor, model_) {

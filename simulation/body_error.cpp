@@ -2,6 +2,7 @@
 
 #include <random>
 
+#include "simulation/named.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
@@ -19,10 +20,7 @@ Vector3 randomDirection(std::mt19937_64& random) {
 void BodyError::validate() const { requireInRange("body_error_m", size_m, 0.0, 0.1); }
 
 BodyError::Kind bodyErrorKind(const std::string& name) {
-  if (name == "thicker") return BodyError::Kind::kThicker;
-  if (name == "thinner") return BodyError::Kind::kThinner;
-  if (name == "displaced") return BodyError::Kind::kDisplaced;
-  throw ConfigError("body_error: " + name + " is none of thicker, thinner, displaced");
+  return named<BodyError::Kind>("body_error", name, {"thicker", "thinner", "displaced"});
 }
 
 std::vector<PlacedShape> trueShapes(const std::vector<LinkShape>& described, const BodyError& error,

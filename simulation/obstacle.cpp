@@ -3,6 +3,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "simulation/named.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
@@ -57,17 +58,16 @@ double wayToGap(const HandState& hand, const World& obstacle, double gap) {
 }  // namespace
 
 ObstacleKind obstacleKind(const std::string& name) {
-  if (name == "none") return ObstacleKind::kNone;
-  if (name == "pole") return ObstacleKind::kPole;
-  if (name == "arm") return ObstacleKind::kArm;
-  if (name == "box") return ObstacleKind::kBox;
-  throw ConfigError("obstacle: " + name + " is none of none, pole, arm, box");
+  return named<ObstacleKind>("obstacle", name, {"none", "pole", "arm", "box"});
 }
 
 ObstaclePurpose obstaclePurpose(const std::string& name) {
-  if (name == "collision") return ObstaclePurpose::kCollision;
-  if (name == "occlusion") return ObstaclePurpose::kOcclusion;
-  throw ConfigError("obstacle_for: " + name + " is none of collision, occlusion");
+  return named<ObstaclePurpose>("obstacle_for", name, {"collision", "occlusion"});
+}
+
+void ObstacleStance::validate() const {
+  requireInRange("obstacle aside_m", aside_m, -0.2, 0.2);
+  requireInRange("obstacle turn_rad", turn_rad, -M_PI, M_PI);
 }
 
 World obstacleAt(ObstacleKind kind, const Pose& T_fixed_obstacle) {

@@ -32,6 +32,9 @@ struct HandState {
 struct ObstacleStance {
   double aside_m = 0.0;   ///< to the left of the middle of the way, or of the line of sight
   double turn_rad = 0.0;  ///< about the upright, or the line of sight; counterclockwise
+
+  /// @throws ConfigError
+  void validate() const;
 };
 
 /// An obstacle (not kNone) on the hand's way, at gap_m [m] from its nearest point. Pole and box

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simulation/named.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
@@ -16,11 +17,7 @@ constexpr double kTurnRate = 2.0;
 }  // namespace
 
 TiltFault tiltFault(const std::string& name) {
-  if (name == "none") return TiltFault::kNone;
-  if (name == "frozen") return TiltFault::kFrozen;
-  if (name == "narrowed") return TiltFault::kNarrowed;
-  if (name == "turned_away") return TiltFault::kTurnedAway;
-  throw ConfigError("tilt_fault: " + name + " is none of none, frozen, narrowed, turned_away");
+  return named<TiltFault>("tilt_fault", name, {"none", "frozen", "narrowed", "turned_away"});
 }
 
 void ScanningHead::Config::validate() const {

@@ -43,11 +43,6 @@ std::vector<std::size_t> handShapes(const RobotModel& model) {
   return model.shapesFor(hand, kCollisionKeys).shapes;
 }
 
-Simulator::Config validated(Simulator::Config config) {
-  config.validate();
-  return config;
-}
-
 }  // namespace
 
 std::vector<std::string> simulatedMotions() {
@@ -59,18 +54,17 @@ std::vector<std::string> simulatedMotions() {
 void Simulator::Config::validate() const {
   controller.validate();
   commanded.validate();
+  head.validate();
   scanner.validate();
   requireInRange("appear_s", appear_s, 0.0, 1e6);
   requireInRange("appear_from_m", appear_from_m, 0.0, 1e3);
   requireInRange("appear_speed_share", appear_speed_share, 0.001, 0.99);
+  stance.validate();
   requireInRange("gap_m", gap_m, 0.01, 0.25);
   requireInRange("obstacle_speed_mps", obstacle_speed_mps, 0.0, 10.0);
-  requireInRange("obstacle aside_m", stance.aside_m, -0.2, 0.2);
-  requireInRange("obstacle turn_rad", stance.turn_rad, -M_PI, M_PI);
-  head.validate();
+  body_error.validate();
   requireInRange("wander_length_m", wander_length_m, 1.0, 1000.0);
   requireInRange("wander_clearance_m", wander_clearance_m, 0.0, 0.2);
-  body_error.validate();
   if (reaches_from_rad && !(obstacle_speed_mps > 0.0)) {
     throw ConfigError(
         "obstacle_speed_mps: must be above 0 where the obstacle reaches for the hand");
@@ -84,7 +78,7 @@ void Simulator::Config::validate() const {
 }
 
 Simulator::Simulator(const Config& config)
-    : config_(validated(config)),
+    : config_((config.validate(), config)),
       model_(dualArm()),
       true_shapes_(trueShapes(model_->shapes(), config.body_error, config.seed)),
       kinematics_(model_),

@@ -10,31 +10,27 @@
 
 #include "geometry/ray.h"
 #include "monitor.h"
+#include "support/nodding_sensor.h"
 #include "support/tiny_robot.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {
 
-constexpr double kTableHeight = 0.40;
+using test::kSensor;
+using test::kTableHeight;
+using test::kTiltPeriod;
+
 constexpr double kHandHeight = 0.60;
 constexpr double kScanPeriod = 0.01;
-constexpr double kTiltPeriod = 1.0;
 constexpr double kForgetPadding = 0.05;
 /// How far a return may have been from the middle of its cell at its height.
 constexpr double kPlaceDoubt = 0.015;
-const Vector3 kSensor(0.0, 0.0, 1.0);
 
 Time at(double seconds) { return Time(fromSeconds(seconds)); }
 
-/// The sensor 1 m up, looking ahead and down by 0.35 to 0.95 rad.
-Pose sensorAt(double seconds) {
-  const double down = 0.65 + 0.30 * std::sin(2.0 * M_PI * seconds / kTiltPeriod);
-  Pose pose = Pose::Identity();
-  pose.rotate(Eigen::AngleAxisd(down, Vector3::UnitY()));
-  pose.pretranslate(kSensor);
-  return pose;
-}
+/// Looks down by 0.35 to 0.95 rad.
+Pose sensorAt(double seconds) { return test::noddingSensor(seconds, 0.30); }
 
 Pose placedAt(const Vector3& p) {
   Pose pose = Pose::Identity();
@@ -83,30 +79,21 @@ class MonitorAttachTest : public ::testing::Test {
     return placedAt(Vector3(reachAt(seconds), 0.0, kHandHeight)) * mug().primitive.pose;
   }
 
-  /// What a scan of table, post, hand and mug measures, all beams at once.
+  /// Of table, post, hand and mug.
   [[nodiscard]] LaserScan scanAt(double seconds) const {
-    LaserScan scan;
-    scan.stamp = at(seconds);
-    scan.angle_min = -0.5;
-    scan.angle_increment = 0.01;
-    scan.range_min = 0.05;
-    scan.range_max = 4.0;
     std::vector<PlacedShape> seen{
         {Box{Vector3(0.03, 0.03, 0.15)}, placedAt(Vector3(0.65, 0.12, 0.55))},
         {Sphere{0.05}, placedAt(Vector3(reachAt(seconds), 0.0, kHandHeight))}};
     if (mug_is_there_) seen.push_back({mug().primitive.shape, mugAt(seconds)});
-    const Pose sensor = sensorAt(seconds);
-    for (int i = 0; i <= 100; ++i) {
-      const double angle = scan.angle_min + i * scan.angle_increment;
-      const Ray beam{kSensor, sensor.linear() * Vector3(std::cos(angle), std::sin(angle), 0.0)};
-      double range = (kTableHeight - kSensor.z()) / beam.direction.z();
+    return test::scanBy(sensorAt(seconds), at(seconds), [&seen](const Vector3& direction) {
+      double range = (kTableHeight - kSensor.z()) / direction.z();
       for (const PlacedShape& placed : seen) {
-        const auto span = intersect(placed.shape, transformed(beam, placed.pose.inverse()));
+        const auto span =
+            intersect(placed.shape, transformed({kSensor, direction}, placed.pose.inverse()));
         if (span) range = std::min(range, span->enter);
       }
-      scan.ranges.push_back(static_cast<float>(range));
-    }
-    return scan;
+      return range;
+    });
   }
 
   Monitor::ScanOutcome step(Monitor& monitor) {

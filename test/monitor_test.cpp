@@ -2,46 +2,31 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <limits>
 
+#include "support/nodding_sensor.h"
 #include "support/tiny_robot.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {
 
-constexpr double kTableHeight = 0.40;
+using test::kSensor;
+using test::kTableHeight;
+using test::kTiltPeriod;
+
 constexpr double kScanPeriod = 0.02;
-constexpr double kTiltPeriod = 1.0;
-const Vector3 kSensor(0.0, 0.0, 1.0);
 
 Time at(double seconds) { return Time(fromSeconds(seconds)); }
 
-/// The sensor 1 m up, looking ahead and down by 0.4 to 0.9 rad.
-Pose sensorAt(double seconds) {
-  const double down = 0.65 + 0.25 * std::sin(2.0 * M_PI * seconds / kTiltPeriod);
-  Pose pose = Pose::Identity();
-  pose.rotate(Eigen::AngleAxisd(down, Vector3::UnitY()));
-  pose.pretranslate(kSensor);
-  return pose;
-}
+/// Looks down by 0.4 to 0.9 rad.
+Pose sensorAt(double seconds) { return test::noddingSensor(seconds, 0.25); }
 
-/// What a scan over an endless table measures, all beams at once.
+/// Of an endless table.
 LaserScan scanOfTable(double seconds) {
-  LaserScan scan;
-  scan.stamp = at(seconds);
-  scan.angle_min = -0.5;
-  scan.angle_increment = 0.01;
-  scan.range_min = 0.05;
-  scan.range_max = 4.0;
-  const Pose sensor = sensorAt(seconds);
-  for (int i = 0; i <= 100; ++i) {
-    const double angle = scan.angle_min + i * scan.angle_increment;
-    const Vector3 beam = sensor.linear() * Vector3(std::cos(angle), std::sin(angle), 0.0);
-    scan.ranges.push_back(static_cast<float>((kTableHeight - kSensor.z()) / beam.z()));
-  }
-  return scan;
+  return test::scanBy(sensorAt(seconds), at(seconds), [](const Vector3& direction) {
+    return (kTableHeight - kSensor.z()) / direction.z();
+  });
 }
 
 Monitor::Config configuration() {

@@ -1,5 +1,3 @@
-#include <console_bridge/console.h>
-
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
@@ -10,7 +8,6 @@
 #include "evaluation.h"
 #include "program.h"
 #include "report.h"
-#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {
@@ -110,7 +107,7 @@ void requireFixedFrame(const Evaluation& evaluation) {
       "' is in no transform of the bag, which has: " + (names.empty() ? "none" : names));
 }
 
-void evaluate(const Options& options) {
+int evaluate(Options& options) {
   const MonitorConfig settings = readMonitorConfig(options.config);
   const auto model = readModel(options, settings);
   const BagStream bag(options.bag,
@@ -139,26 +136,15 @@ void evaluate(const Options& options) {
   writeText(path, summary.dump(2) + '\n');
   printSummary(summary, std::cout);
   std::cout << "written  " << path << '\n';
+  return kDone;
 }
 
 }  // namespace
 }  // namespace tccm
 
 int main(int argc, char** argv) {
-  // Libraries that log on their own would blur the one line that says what is wrong.
-  console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_NONE);
-  tccm::Options options;
-  CLI::App app("Replays a bag through the monitor's core as fast as it can, without a roscore.",
-               "evaluate");
-  tccm::describe(app, options);
-  try {
-    app.parse(argc, argv);
-    tccm::evaluate(options);
-    return tccm::kDone;
-  } catch (const CLI::Success& help) {
-    return app.exit(help);
-  } catch (const std::exception& error) {
-    std::cerr << "evaluate: " << error.what() << '\n';
-    return tccm::kBadInput;
-  }
+  return tccm::runProgram("evaluate",
+                          "Replays a bag through the monitor's core as fast as it can, without a "
+                          "roscore.",
+                          {argv, argv + argc}, tccm::describe, tccm::evaluate);
 }

@@ -1,19 +1,17 @@
-#include <console_bridge/console.h>
-
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
-#include <cstdlib>
+#include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "fit/primitives_file.h"
 #include "fit_table.h"
+#include "link_primitives.h"
 #include "monitor_config.h"
 #include "program.h"
 #include "robot/kinematics.h"
-#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {
@@ -63,15 +61,6 @@ RobotModel readModel(const Options& options) {
     };
   }
   return {readText(options.urdf, "the URDF"), readMonitorConfig(options.config).robot, resources};
-}
-
-LinkPrimitives primitivesOf(const RobotModel& model) {
-  LinkPrimitives links;
-  for (std::size_t i = 0; i < model.shapes().size(); ++i) {
-    const LinkShape& shape = model.shapes()[i];
-    links[model.linkOf(i)].push_back({shape.shape, shape.T_link_shape});
-  }
-  return links;
 }
 
 Json jsonOf(const Pose& pose) {
@@ -142,7 +131,7 @@ void draw(const Options& options, const RobotModel& model, const std::string& pi
   if (!drawn) throw InputError("the picture " + picture + " could not be drawn");
 }
 
-int fit(const Options& options) {
+int fit(Options& options) {
   const auto start = std::chrono::steady_clock::now();
   const RobotModel model = readModel(options);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
@@ -176,19 +165,7 @@ int fit(const Options& options) {
 }  // namespace tccm
 
 int main(int argc, char** argv) {
-  // Libraries that log on their own would blur the one line that says what is wrong.
-  console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_NONE);
-  tccm::Options options;
-  CLI::App app("Covers a robot's meshes with boxes, cylinders, capsules and spheres.",
-               "fit_primitives");
-  tccm::describe(app, options);
-  try {
-    app.parse(argc, argv);
-    return tccm::fit(options);
-  } catch (const CLI::Success& help) {
-    return app.exit(help);
-  } catch (const std::exception& error) {
-    std::cerr << "fit_primitives: " << error.what() << '\n';
-    return tccm::kBadInput;
-  }
+  return tccm::runProgram("fit_primitives",
+                          "Covers a robot's meshes with boxes, cylinders, capsules and spheres.",
+                          {argv, argv + argc}, tccm::describe, tccm::fit);
 }

@@ -1,7 +1,10 @@
 #include "program.h"
 
+#include <console_bridge/console.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
+#include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -21,6 +24,34 @@ std::string quoted(const std::string& text) {
 }
 
 }  // namespace
+
+int runProgram(CLI::App& app, const std::vector<std::string>& arguments,
+               const std::function<int()>& work) {
+  // Libraries that log on their own would blur the one line that says what is wrong.
+  console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_NONE);
+  try {
+    // CLI11 takes the last first, without the program's name.
+    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend() - 1));
+    return work();
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s: %s\n", app.get_name().c_str(), error.what());
+    return kBadInput;
+  }
+}
+
+std::string formatted(const char* format, ...) {
+  std::va_list values;
+  va_start(values, format);
+  std::va_list again;
+  va_copy(again, values);
+  std::string text(static_cast<std::size_t>(std::vsnprintf(nullptr, 0, format, values)), '\0');
+  std::vsnprintf(text.data(), text.size() + 1, format, again);
+  va_end(again);
+  va_end(values);
+  return text;
+}
 
 std::string readText(const std::string& path, const std::string& what) {
   std::ifstream file(path, std::ios::binary);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <CLI/App.hpp>
 #include <functional>
 #include <memory>
 #include <stdexcept>
@@ -15,11 +16,31 @@ constexpr int kDone = 0;
 constexpr int kLimitMissed = 1;
 constexpr int kBadInput = 2;
 
+/// Parses a program's arguments and does its work. What help prints goes to standard output; of
+/// what is wrong standard error gets one line that begins with the program's name.
+/// @param arguments main()'s. @param work called once they are parsed. @return the exit status.
+[[nodiscard]] int runProgram(CLI::App& app, const std::vector<std::string>& arguments,
+                             const std::function<int()>& work);
+/// The same of a program whose options are all that it is told.
+/// @param declare adds them. @param run is handed what they were on the command line.
+template <typename Options>
+[[nodiscard]] int runProgram(const std::string& name, const std::string& description,
+                             const std::vector<std::string>& arguments,
+                             void (*declare)(CLI::App&, Options&), int (*run)(Options&),
+                             Options options = {}) {
+  CLI::App app(description, name);
+  declare(app, options);
+  return runProgram(app, arguments, [&] { return run(options); });
+}
+
 /// Input that a program cannot work with. what() says it in one line.
 class InputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
+
+/// As printf would print it.
+[[nodiscard, gnu::format(printf, 1, 2)]] std::string formatted(const char* format, ...);
 
 /// @throws InputError where the file cannot be read or is empty. @param what names it in messages.
 [[nodiscard]] std::string readText(const std::string& path, const std::string& what);

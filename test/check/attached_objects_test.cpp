@@ -7,14 +7,9 @@
 namespace tccm {
 namespace {
 
+using namespace test::urdf_text;
 using test::at;
-using test::axisOf;
-using test::ballLink;
-using test::jointOf;
 using test::kStart;
-using test::limitOf;
-using test::linkOf;
-using test::robotOf;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 

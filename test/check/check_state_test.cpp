@@ -68,10 +68,7 @@ TEST_F(CheckStateTest, AMimicJointHasToFollowTheJointThatItMimics) {
 
 TEST_F(CheckStateTest, NothingIsFreeWhileAnythingIsMissing) {
   for (int given = 0; given < 7; ++given) {
-    remake();
-    if (given & 1) setMap(kStart, clear_);
-    if (given & 2) addJoints(kStart, 0.0);
-    if (given & 4) setRoot(kStart);
+    remakeWith(given);
     EXPECT_EQ(ask({"slide", "glide"}, {0.0, 0.0}).cause.reason, Reason::kInit) << given;
     EXPECT_GT(ask({"slide", "glide"}, {0.0, 0.0}, kStart + 2.0).cause.reason, Reason::kInit)
         << given;

@@ -24,10 +24,7 @@ TEST_F(CheckerTest, WithEverythingFreshAndNothingNearItIsClear) {
 /// Every subset of map, joints and root.
 TEST_F(CheckerTest, AtTheStartItIsInitWhateverIsMissingAndNeverClear) {
   for (int given = 0; given < 7; ++given) {
-    remake();
-    if (given & 1) setMap(kStart, clear_);
-    if (given & 2) addJoints(kStart, 0.0);
-    if (given & 4) setRoot(kStart);
+    remakeWith(given);
     const Verdict& verdict = check(kStart);
     EXPECT_EQ(verdict.reason, Reason::kInit) << given;
     EXPECT_TRUE(verdict.stop) << given;
@@ -91,16 +88,14 @@ TEST_F(CheckerTest, OneJointThatFallsSilentIsEnough) {
 
 TEST_F(CheckerTest, ARootThatMovesMayBeAsOldAsItsTimeoutAndNoOlder) {
   feed(kStart, clear_);
-  addJoints(kStart + 0.5, 0.0);
-  setMap(kStart + 0.5, clear_);
+  feedAllButRoot(kStart + 0.5, clear_);
   EXPECT_EQ(reasonAt(kStart + 0.5), Reason::kClear);
   EXPECT_EQ(reasonAt(kStart + 0.5001), Reason::kNoTransform);
 }
 
 TEST_F(CheckerTest, AStaticRootNeverGrowsOld) {
   setRoot(kStart, true);
-  addJoints(kStart + 1000.0, 0.0);
-  setMap(kStart + 1000.0, clear_);
+  feedAllButRoot(kStart + 1000.0, clear_);
   EXPECT_EQ(reasonAt(kStart + 1000.0), Reason::kClear);
 }
 
@@ -108,8 +103,7 @@ TEST_F(CheckerTest, ARootThatIsNoPoseIsNotTaken) {
   Pose broken = Pose::Identity();
   broken.translation().x() = std::numeric_limits<double>::quiet_NaN();
   checker_->setRootPose(0, at(kStart), broken, true);
-  addJoints(kStart, 0.0);
-  setMap(kStart, clear_);
+  feedAllButRoot(kStart, clear_);
   EXPECT_EQ(reasonAt(kStart), Reason::kInit);
 }
 

@@ -8,6 +8,7 @@
 #include "support/checked_robot.h"
 #include "support/cuboid_scene.h"
 #include "support/fcl_overlap.h"
+#include "support/small_map.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
@@ -24,13 +25,7 @@ CollisionCheck::Config everyContact() {
 }
 
 /// 20 x 20 cells of 20 mm around the origin.
-Grid::Config smallGrid() {
-  Grid::Config grid;
-  grid.origin_x_m = grid.origin_y_m = -0.2;
-  grid.size_x_m = grid.size_y_m = 0.4;
-  grid.height_max_m = 1.0;
-  return grid;
-}
+Grid::Config smallGrid() { return test::smallGrid(0.4, 0.4, 1.0, -0.2); }
 
 Body randomBody(Random& random, std::size_t kind) {
   Body body;

@@ -109,6 +109,18 @@ class GovernedHand : public ::testing::Test {
     return (way_.back().x - begin->x) / (way_.back().stamp - begin->stamp);
   }
 
+  /// How far it goes on from rest, commanded fast, while every direction is looked at twice a
+  /// second and the looks end so.
+  double wayWhileLooking(int steps, double range, LookImage::End end) {
+    run(2.0, 0.0, {0.0, 0.5});
+    const double from = x_;
+    for (int i = 0; i < steps; ++i) {
+      if (i % 50 == 0) look(range, end);
+      step(0.4);
+    }
+    return x_ - from;
+  }
+
   struct Step {
     double stamp, x, speed;
   };
@@ -159,24 +171,12 @@ TEST_F(GovernedHand, WhereNoLookIsDueTheScaleGoesToNothing) {
 }
 
 TEST_F(GovernedHand, LooksThatEndOnTheRobotAreNone) {
-  run(2.0, 0.0, {0.0, 0.5});
-  const double from = x_;
-  for (int i = 0; i < 3000; ++i) {
-    if (i % 50 == 0) look(0.3, LookImage::End::kRobot);
-    step(0.4);
-  }
+  EXPECT_LT(wayWhileLooking(3000, 0.3, LookImage::End::kRobot), kDistance);
   EXPECT_LT(scale_, 0.01);
-  EXPECT_LT(x_ - from, kDistance);
 }
 
 TEST_F(GovernedHand, OfASurfaceThatIsMetBeforeThePlaceTheLooksCount) {
-  run(2.0, 0.0, {0.0, 0.5});
-  const double from = x_;
-  for (int i = 0; i < 300; ++i) {
-    if (i % 50 == 0) look(0.92, LookImage::End::kSurface);
-    step(0.4);
-  }
-  EXPECT_GT(x_ - from, 2.0 * kDistance);
+  EXPECT_GT(wayWhileLooking(300, 0.92, LookImage::End::kSurface), 2.0 * kDistance);
 }
 
 TEST_F(GovernedHand, WhatItMovesAwayFromDoesNotLimitIt) {

@@ -9,13 +9,10 @@
 namespace tccm {
 namespace {
 
+using namespace test::urdf_text;
 using test::addBlock;
-using test::axisOf;
-using test::jointOf;
 using test::kScanPeriod;
 using test::kStart;
-using test::limitOf;
-using test::linkOf;
 
 const std::vector<Pose> kAtOrigin{Pose::Identity()};
 
@@ -293,6 +290,12 @@ class MovingOutVerdictTest : public test::CheckerFixture {
     return checker_->command(test::at(now),
                              {{"slide"}, {{0.0, {from}, {}, {}}, {0.4, {to}, {}, {}}}});
   }
+  /// Commanded to go there while it touches at rest, then found elsewhere, or in motion.
+  const Verdict& afterCommand(double to, double slide = 0.75, double velocity = 0.0) {
+    feedAndCheck(kStart, post_, 0.75);
+    EXPECT_EQ(commandTo(kStart, 0.75, to), "");
+    return feedAndCheck(kStart + 0.01, post_, slide, velocity);
+  }
   static void expectStop(const Verdict& verdict) {
     EXPECT_EQ(verdict.level, Level::kStop);
     EXPECT_EQ(verdict.reason, Reason::kCollision);
@@ -355,31 +358,23 @@ TEST_F(MovingOutVerdictTest, GoingBackInOnTheWayOutStopsAgain) {
 }
 
 TEST_F(MovingOutVerdictTest, AtRestACommandThatLeadsOutIsPermitted) {
-  feedAndCheck(kStart, post_, 0.75);
-  EXPECT_EQ(commandTo(kStart, 0.75, 0.55), "");
-  const Verdict& verdict = feedAndCheck(kStart + 0.01, post_, 0.75);
+  const Verdict& verdict = afterCommand(0.55);
   expectMovingOut(verdict);
   EXPECT_TRUE(verdict.follows_trajectory);
 }
 
 TEST_F(MovingOutVerdictTest, AtRestACommandThatLeadsInIsACollision) {
-  feedAndCheck(kStart, post_, 0.75);
-  EXPECT_EQ(commandTo(kStart, 0.75, 0.79), "");
-  const Verdict& verdict = feedAndCheck(kStart + 0.01, post_, 0.75);
+  const Verdict& verdict = afterCommand(0.79);
   expectStop(verdict);
   EXPECT_TRUE(verdict.follows_trajectory);
 }
 
 TEST_F(MovingOutVerdictTest, ACommandThatLeadsOutDoesNotExcuseARobotThatGoesIn) {
-  feedAndCheck(kStart, post_, 0.75);
-  EXPECT_EQ(commandTo(kStart, 0.75, 0.55), "");
-  expectStop(feedAndCheck(kStart + 0.01, post_, 0.752, 0.2));
+  expectStop(afterCommand(0.55, 0.752, 0.2));
 }
 
 TEST_F(MovingOutVerdictTest, ARobotThatGoesOutIsStoppedWhereItsCommandLeadsIn) {
-  feedAndCheck(kStart, post_, 0.75);
-  EXPECT_EQ(commandTo(kStart, 0.75, 0.79), "");
-  expectStop(feedAndCheck(kStart + 0.01, post_, 0.75, -0.2));
+  expectStop(afterCommand(0.79, 0.75, -0.2));
 }
 
 TEST_F(MovingOutVerdictTest, AWholeCommandLeadsOutUntilTheRobotIsFree) {

@@ -12,13 +12,7 @@
 namespace tccm {
 namespace {
 
-using test::axisOf;
-using test::ballLink;
-using test::collisionOf;
-using test::jointOf;
-using test::limitOf;
-using test::linkOf;
-using test::robotOf;
+using namespace test::urdf_text;
 
 using Links = std::vector<std::string>;
 

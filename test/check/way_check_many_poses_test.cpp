@@ -10,18 +10,14 @@
 #include "simulation/robot/dual_arm.h"
 #include "support/checked_robot.h"
 #include "support/cuboid_scene.h"
+#include "support/small_map.h"
 #include "support/tiny_robot.h"
 
 namespace tccm {
 namespace {
 
-using test::axisOf;
-using test::collisionOf;
-using test::jointOf;
-using test::limitOf;
-using test::linkOf;
+using namespace test::urdf_text;
 using test::Random;
-using test::robotOf;
 
 constexpr double kRounding = 1e-9;
 const std::vector<Pose> kAtOrigin{Pose::Identity()};
@@ -53,13 +49,7 @@ std::shared_ptr<const RobotModel> smallArm() {
       config);
 }
 
-Grid::Config smallGrid() {
-  Grid::Config grid;
-  grid.origin_x_m = grid.origin_y_m = -0.3;
-  grid.size_x_m = grid.size_y_m = 0.6;
-  grid.height_max_m = 0.6;
-  return grid;
-}
+Grid::Config smallGrid() { return test::smallGrid(0.6, 0.6, 0.6, -0.3); }
 
 /// Up to three corners; some of it goes there and back.
 JointPath randomWay(const RobotModel& model, Random& random) {

@@ -15,16 +15,10 @@
 namespace tccm {
 namespace {
 
+using namespace test::urdf_text;
 using test::addBlock;
-using test::axisOf;
-using test::ballLink;
-using test::collisionOf;
-using test::jointOf;
 using test::kStart;
-using test::limitOf;
-using test::linkOf;
 using test::Random;
-using test::robotOf;
 
 constexpr double kRounding = 1e-9;
 constexpr double kPadding = 0.04;

@@ -36,6 +36,18 @@ GoalPath path(const std::vector<Point>& points) {
   return GoalPath(trajectory(points), kHere, kTolerance);
 }
 
+/// A point a second.
+GoalPath randomPath(std::mt19937& random, int points, bool cubic) {
+  std::uniform_real_distribution<double> value(-1.0, 1.0);
+  std::vector<Point> way;
+  for (int i = 1; i <= points; ++i) {
+    const std::vector<double> positions{value(random), value(random)};
+    const std::vector<double> velocities{value(random), value(random)};
+    way.push_back(point(i, positions, cubic ? velocities : std::vector<double>{}));
+  }
+  return path(way);
+}
+
 TEST(GoalPathTest, GoesStraightFromWhereTheJointsAre) {
   const GoalPath way = path({point(2.0, {1.0, 1.0}), point(4.0, {1.0, 3.0})});
   EXPECT_EQ(way.duration(), 4.0);
@@ -67,15 +79,8 @@ TEST(GoalPathTest, IsTheCubicThatItsPointsLieOn) {
 
 TEST(GoalPathTest, VelocitiesAreTheDerivativesOfPositions) {
   std::mt19937 random(1);
-  std::uniform_real_distribution<double> value(-1.0, 1.0);
   for (const bool cubic : {false, true}) {
-    std::vector<Point> points;
-    for (int i = 1; i <= 5; ++i) {
-      const std::vector<double> positions{value(random), value(random)};
-      const std::vector<double> velocities{value(random), value(random)};
-      points.push_back(point(i, positions, cubic ? velocities : std::vector<double>{}));
-    }
-    const GoalPath way = path(points);
+    const GoalPath way = randomPath(random, 5, cubic);
     for (double t = 0.05; t < 5.0; t += 0.1) {
       constexpr double kStep = 1e-6;
       for (const std::size_t j : {0, 1}) {
@@ -94,15 +99,8 @@ TEST(GoalPathTest, APointWithoutVelocitiesMakesTheWholeWayStraight) {
 
 TEST(GoalPathTest, WhatIsLeftIsTheSameWayAtItsScale) {
   std::mt19937 random(2);
-  std::uniform_real_distribution<double> value(-1.0, 1.0);
   for (const bool cubic : {false, true}) {
-    std::vector<Point> points;
-    for (int i = 1; i <= 4; ++i) {
-      const std::vector<double> velocities{value(random), value(random)};
-      points.push_back(
-          point(i, {value(random), value(random)}, cubic ? velocities : std::vector<double>{}));
-    }
-    const GoalPath way = path(points);
+    const GoalPath way = randomPath(random, 4, cubic);
     for (const double begin : {0.0, 0.7, 2.0, 3.9}) {
       for (const double scale : {1.0, 0.25}) {
         const JointTrajectory rest = way.rest(begin, scale);

@@ -3,13 +3,13 @@
 #include <gtest/gtest.h>
 
 #include "simulation/robot/dual_arm.h"
+#include "support/trial_config.h"
 
 namespace tccm::simulation {
 namespace {
 
 DynamicTrial::Config brief() {
-  DynamicTrial::Config config;
-  config.monitor.mapper.map.grid.height_min_m = 0.1;
+  DynamicTrial::Config config = test::trialConfig<DynamicTrial>();
   config.judge_s = 2.0;
   return config;
 }

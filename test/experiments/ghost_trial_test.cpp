@@ -3,15 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "simulation/robot/dual_arm.h"
+#include "support/trial_config.h"
 
 namespace tccm::simulation {
 namespace {
 
-GhostTrial::Config shipped() {
-  GhostTrial::Config config;
-  config.monitor.mapper.map.grid.height_min_m = 0.1;
-  return config;
-}
+GhostTrial::Config shipped() { return test::trialConfig<GhostTrial>(); }
 
 TEST(GhostTrialTest, AHandThatLeftBehindTheArmIsHeldAndGoneTwoTiltsAfterItsPlaceIsInViewAgain) {
   std::size_t held = 0;

@@ -4,14 +4,14 @@
 
 #include "experiments/reaching_about.h"
 #include "simulation/robot/dual_arm.h"
+#include "support/trial_config.h"
 
 namespace tccm::simulation {
 namespace {
 
 /// What nothing governs but the speed that is commanded.
 GovernedTrial::Result reachingAt(double speed_mps) {
-  GovernedTrial::Config config;
-  config.monitor.mapper.map.grid.height_min_m = 0.1;
+  GovernedTrial::Config config = test::trialConfig<GovernedTrial>();
   config.motion = kReachingAbout;
   config.speed_mps = speed_mps;
   return GovernedTrial(config, dualArm(), 1).run();

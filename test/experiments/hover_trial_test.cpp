@@ -5,15 +5,12 @@
 #include <array>
 
 #include "simulation/robot/dual_arm.h"
+#include "support/trial_config.h"
 
 namespace tccm::simulation {
 namespace {
 
-HoverTrial::Config shipped() {
-  HoverTrial::Config config;
-  config.monitor.mapper.map.grid.height_min_m = 0.1;
-  return config;
-}
+HoverTrial::Config shipped() { return test::trialConfig<HoverTrial>(); }
 
 // Whose objects the sensor loses sight of altogether.
 constexpr std::array<std::uint64_t, 4> kHidden = {1000005, 1000006, 1000010, 1000027};
@@ -39,7 +36,7 @@ TEST(HoverTrialTest, WithoutHoldingWhatIsHiddenSomeAreTouched) {
   for (const std::uint64_t seed : kHidden) {
     const HoverTrial::Result result = HoverTrial(config, dualArm(), seed).run();
     EXPECT_EQ(result.held_max, 0U);
-    if (result.outcome == HoverTrial::Outcome::kTouched) {
+    if (result.outcome == Outcome::kTouched) {
       EXPECT_EQ(result.left_m, 0.0);
       ++touched;
     }

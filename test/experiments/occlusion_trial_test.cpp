@@ -3,16 +3,14 @@
 #include <gtest/gtest.h>
 
 #include "simulation/robot/dual_arm.h"
+#include "support/trial_config.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
 namespace {
 
 OcclusionTrial::Config watching() {
-  OcclusionTrial::Config config;
-  config.monitor.mapper.map.grid.height_min_m = 0.1;
-  config.monitor.checker.pose.occlusion_use.links = {"*_elbow_link", "*_wrist_yaw_link",
-                                                     "*_palm_link"};
+  OcclusionTrial::Config config = test::watchingTrialConfig<OcclusionTrial>();
   config.resolution_rad = 0.02;
   return config;
 }

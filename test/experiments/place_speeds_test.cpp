@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "simulation/robot/dual_arm.h"
+#include "support/trial_config.h"
 
 namespace tccm::simulation {
 namespace {
@@ -12,8 +13,7 @@ namespace {
 constexpr double kDegree = M_PI / 180.0;
 
 PlaceSpeeds::Config ungoverned() {
-  PlaceSpeeds::Config config;
-  config.monitor.mapper.map.grid.height_min_m = 0.1;
+  PlaceSpeeds::Config config = test::trialConfig<PlaceSpeeds>();
   config.monitor.checker.evidence.unseen_fraction_max = 1.0;
   config.duration_s = 12.0;
   return config;

@@ -3,13 +3,13 @@
 #include <gtest/gtest.h>
 
 #include "simulation/robot/dual_arm.h"
+#include "support/trial_config.h"
 
 namespace tccm::simulation {
 namespace {
 
 SmallObjectTrial::Config config() {
-  SmallObjectTrial::Config config;
-  config.monitor.mapper.map.grid.height_min_m = 0.1;
+  SmallObjectTrial::Config config = test::trialConfig<SmallObjectTrial>();
   config.settle_s = 3.0;
   return config;
 }

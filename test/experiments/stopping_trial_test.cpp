@@ -3,16 +3,14 @@
 #include <gtest/gtest.h>
 
 #include "simulation/robot/dual_arm.h"
+#include "support/trial_config.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
 namespace {
 
-using Outcome = StoppingTrial::Outcome;
-
 StoppingTrial::Config reaching(double speed_mps) {
-  StoppingTrial::Config config;
-  config.monitor.mapper.map.grid.height_min_m = 0.1;
+  StoppingTrial::Config config = test::trialConfig<StoppingTrial>();
   config.controller.speed_mps = speed_mps;
   config.controller.resume_mps2 = config.controller.acceleration_mps2;
   return config;

@@ -5,17 +5,12 @@
 #include <cmath>
 
 #include "simulation/robot/dual_arm.h"
+#include "support/trial_config.h"
 
 namespace tccm::simulation {
 namespace {
 
-VisibilityTrial::Config shipped() {
-  VisibilityTrial::Config config;
-  config.monitor.mapper.map.grid.height_min_m = 0.1;
-  config.monitor.checker.pose.occlusion_use.links = {"*_elbow_link", "*_wrist_yaw_link",
-                                                     "*_palm_link"};
-  return config;
-}
+VisibilityTrial::Config shipped() { return test::watchingTrialConfig<VisibilityTrial>(); }
 
 class VisibilityTrialTest : public ::testing::TestWithParam<VisibilityTrial::Robot> {};
 

@@ -130,26 +130,22 @@ TEST(ConvexHullTest, GridsWithManyPointsInEveryFaceKeepTheirVolume) {
   }
 }
 
+double furthestAlong(const Vector3& direction, const Points& points) {
+  double furthest = -1e9;
+  for (const Vector3& p : points) furthest = std::max(furthest, direction.dot(p));
+  return furthest;
+}
+
 TEST(ConvexHullTest, FlatCollinearAndSinglePointsHaveNoVolumeAndKeepTheirExtremes) {
   Random random(5);
   for (const double scale : {1e-4, 1.0}) {
     for (int dimensions = 0; dimensions < 3; ++dimensions) {
-      const Pose pose = random.pose(1.0);
-      Points points;
-      for (int k = 0; k < 50; ++k) {
-        Vector3 p = scale * random.point(1.0);
-        p.tail(3 - dimensions).setZero();
-        points.push_back(pose * p);
-      }
+      const Points points = random.flatCloud(dimensions, 50, scale);
       const ConvexHull hull = convexHull(points);
       EXPECT_NEAR(hull.volume_m3, 0.0, 1e-12 * scale * scale);
       for (int k = 0; k < 20; ++k) {
         const Vector3 n = random.direction();
-        double all = -1e9;
-        double kept = -1e9;
-        for (const Vector3& p : points) all = std::max(all, n.dot(p));
-        for (const Vector3& p : hull.surface.vertices) kept = std::max(kept, n.dot(p));
-        ASSERT_NEAR(all, kept, 1e-12);
+        ASSERT_NEAR(furthestAlong(n, points), furthestAlong(n, hull.surface.vertices), 1e-12);
       }
     }
   }
@@ -185,11 +181,8 @@ TEST(ConvexHullTest, NearlyFlatCloudsOfEveryThicknessAreHeldWithoutAWord) {
     ASSERT_LE(hull.volume_m3, 8.0 * thickness + 1e-12);
     for (int k = 0; k < 100; ++k) {
       const Vector3 n = random.direction();
-      double all = -1e9;
-      double kept = -1e9;
-      for (const Vector3& p : points) all = std::max(all, n.dot(p));
-      for (const Vector3& p : hull.surface.vertices) kept = std::max(kept, n.dot(p));
-      ASSERT_NEAR(all, kept, 1e-9) << thickness;
+      ASSERT_NEAR(furthestAlong(n, points), furthestAlong(n, hull.surface.vertices), 1e-9)
+          << thickness;
     }
   }
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");

@@ -171,13 +171,7 @@ TEST(EnclosingTest, FlatThinAndLonePointsHaveValidPrimitives) {
   Random random(60);
   for (const double scale : {1e-4, 1e-3, 1.0}) {
     for (int dimensions = 0; dimensions < 3; ++dimensions) {
-      const Pose pose = random.pose(1.0);
-      Points points;
-      for (int k = 0; k < 30; ++k) {
-        Vector3 p = scale * random.point(1.0);
-        p.tail(3 - dimensions).setZero();
-        points.push_back(pose * p);
-      }
+      const Points points = random.flatCloud(dimensions, 30, scale);
       for (const Enclose enclose : kAll) {
         const PlacedShape placed = enclose(points);
         ASSERT_NO_THROW(validate(placed.shape, "flat"));

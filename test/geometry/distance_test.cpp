@@ -8,36 +8,22 @@
 
 #include "geometry/overlap.h"
 #include "support/fcl_overlap.h"
+#include "support/placed.h"
 #include "support/random.h"
 
 namespace tccm {
 namespace {
 
+using test::centred;
+using test::grown;
+using test::placedAt;
 using test::Random;
 
 constexpr double kExact = 1e-6;      // what distance() promises [m]
 constexpr double kRounding = 1e-12;  // [m]
 
-UprightBox grown(const UprightBox& box, double by) {
-  return {box.min().array() - by, box.max().array() + by};
-}
-
-Pose at(double x, double y, double z, const Eigen::Matrix3d& rotation) {
-  Pose pose = Pose::Identity();
-  pose.linear() = rotation;
-  pose.translation() = Vector3(x, y, z);
-  return pose;
-}
-
-Pose at(double x, double y, double z) { return at(x, y, z, Eigen::Matrix3d::Identity()); }
-
 Eigen::Matrix3d turned(double angle, const Vector3& axis) {
   return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
-}
-
-UprightBox centred(double x, double y, double z) {
-  const Vector3 half = 0.5 * Vector3(x, y, z);
-  return {-half, half};
 }
 
 struct Pair {
@@ -157,31 +143,32 @@ void expectDistance(const Shape& shape, const Pose& pose, const UprightBox& box,
 /// The values FCL's own tests state.
 TEST(DistanceTest, HasTheValuesOfFclsOwnTests) {
   const UprightBox cube = centred(10.0, 10.0, 10.0);
-  expectDistance(Box{{10.0, 20.0, 25.0}}, at(15.1, 0.0, 0.0), cube, 0.1);
-  expectDistance(Cylinder{5.0, 5.0}, at(10.1, 0.0, 0.0), cube, 0.1);
-  expectDistance(Cylinder{5.0, 5.0}, at(0.0, 0.0, 10.1), cube, 0.1);
+  expectDistance(Box{{10.0, 20.0, 25.0}}, placedAt(15.1, 0.0, 0.0), cube, 0.1);
+  expectDistance(Cylinder{5.0, 5.0}, placedAt(10.1, 0.0, 0.0), cube, 0.1);
+  expectDistance(Cylinder{5.0, 5.0}, placedAt(0.0, 0.0, 10.1), cube, 0.1);
   const Capsule capsule{2.0, 2.0};
   const UprightBox box = centred(1.0, 2.0, 4.0);
-  expectDistance(capsule, at(3.0, 0.0, 0.0), box, 0.5);
-  expectDistance(capsule, at(0.0, 0.0, 8.0), box, 2.0);
-  expectDistance(capsule, at(-10.0, 0.0, 0.0, turned(0.5 * M_PI, Vector3::UnitY())), box, 5.5);
-  expectDistance(Sphere{0.7}, at(0.15, 0.3, 1.8 + 0.77), centred(0.6, 1.2, 3.6), 0.07);
+  expectDistance(capsule, placedAt(3.0, 0.0, 0.0), box, 0.5);
+  expectDistance(capsule, placedAt(0.0, 0.0, 8.0), box, 2.0);
+  expectDistance(capsule, placedAt(-10.0, 0.0, 0.0, turned(0.5 * M_PI, Vector3::UnitY())), box,
+                 5.5);
+  expectDistance(Sphere{0.7}, placedAt(0.15, 0.3, 1.8 + 0.77), centred(0.6, 1.2, 3.6), 0.07);
 }
 
 TEST(DistanceTest, FromCornerToCornerIsPythagoras) {
   const UprightBox cube = centred(2.0, 2.0, 2.0);
-  expectDistance(Sphere{1.0}, at(3.0, 4.0, 5.0), cube, std::sqrt(4.0 + 9.0 + 16.0) - 1.0);
-  expectDistance(Box{{1.0, 1.0, 1.0}}, at(3.0, 4.0, 8.0), cube, std::sqrt(1.0 + 4.0 + 36.0));
-  expectDistance(Capsule{1.0, 1.0}, at(4.0, 5.0, 14.0), cube, 12.0);  // 3, 4, 12: 13 less 1
+  expectDistance(Sphere{1.0}, placedAt(3.0, 4.0, 5.0), cube, std::sqrt(4.0 + 9.0 + 16.0) - 1.0);
+  expectDistance(Box{{1.0, 1.0, 1.0}}, placedAt(3.0, 4.0, 8.0), cube, std::sqrt(1.0 + 4.0 + 36.0));
+  expectDistance(Capsule{1.0, 1.0}, placedAt(4.0, 5.0, 14.0), cube, 12.0);  // 3, 4, 12: 13 less 1
 }
 
 TEST(DistanceTest, CylinderIsNearestWithItsSideItsEndOrItsRim) {
   const UprightBox cube = centred(2.0, 2.0, 2.0);
   const Cylinder cylinder{1.0, 1.0};
-  expectDistance(cylinder, at(4.0, 5.0, 0.5), cube, 4.0);  // 3 and 4 to the upright edge
-  expectDistance(cylinder, at(0.0, 0.0, 4.0), cube, 2.0);
-  expectDistance(cylinder, at(4.0, 0.0, 5.0), cube, std::sqrt(4.0 + 9.0));
-  expectDistance(cylinder, at(4.0, 5.0, 5.0), cube, 5.0);  // 4 across, 3 up
+  expectDistance(cylinder, placedAt(4.0, 5.0, 0.5), cube, 4.0);  // 3 and 4 to the upright edge
+  expectDistance(cylinder, placedAt(0.0, 0.0, 4.0), cube, 2.0);
+  expectDistance(cylinder, placedAt(4.0, 0.0, 5.0), cube, std::sqrt(4.0 + 9.0));
+  expectDistance(cylinder, placedAt(4.0, 5.0, 5.0), cube, 5.0);  // 4 across, 3 up
 }
 
 TEST(DistanceTest, AShapeOnItsEdgeReachesDownByItsDiagonal) {
@@ -189,15 +176,17 @@ TEST(DistanceTest, AShapeOnItsEdgeReachesDownByItsDiagonal) {
   const Eigen::Matrix3d on_edge = turned(0.25 * M_PI, Vector3::UnitX());
   const Eigen::Matrix3d on_corner =
       Eigen::Quaterniond::FromTwoVectors(Vector3::Ones(), Vector3::UnitZ()).toRotationMatrix();
-  expectDistance(Box{{1.0, 1.0, 1.0}}, at(0.3, 0.2, 4.0, on_edge), cube, 3.0 - std::sqrt(2.0));
-  expectDistance(Box{{1.0, 1.0, 1.0}}, at(0.3, 0.2, 4.0, on_corner), cube, 3.0 - std::sqrt(3.0));
-  expectDistance(Cylinder{1.0, 1.0}, at(0.3, 0.2, 4.0, on_edge), cube, 3.0 - std::sqrt(2.0));
+  expectDistance(Box{{1.0, 1.0, 1.0}}, placedAt(0.3, 0.2, 4.0, on_edge), cube,
+                 3.0 - std::sqrt(2.0));
+  expectDistance(Box{{1.0, 1.0, 1.0}}, placedAt(0.3, 0.2, 4.0, on_corner), cube,
+                 3.0 - std::sqrt(3.0));
+  expectDistance(Cylinder{1.0, 1.0}, placedAt(0.3, 0.2, 4.0, on_edge), cube, 3.0 - std::sqrt(2.0));
 }
 
 /// The nearest points are inside two crossed edges.
 TEST(DistanceTest, CrossedEdgesAreAsFarApartAsTheirLines) {
   const Eigen::Matrix3d on_edge = turned(0.25 * M_PI, Vector3::UnitY());
-  const Pose pose = at(0.0, 3.0, 3.0, turned(-0.25 * M_PI, Vector3::UnitX()) * on_edge);
+  const Pose pose = placedAt(0.0, 3.0, 3.0, turned(-0.25 * M_PI, Vector3::UnitX()) * on_edge);
   const UprightBox cube = centred(2.0, 2.0, 2.0);
   const double between = std::sqrt(2.0) * 2.0;  // from (0, 1, 1) to the rod's centre
   expectDistance(Box{{0.5, 4.0, 0.5}}, pose, cube, between - std::sqrt(0.5));
@@ -209,11 +198,11 @@ TEST(DistanceTest, ParallelFacesAreAsFarApartAsTheirPlanes) {
     const double gap = spread(random, 1e-9, 0.3);
     const Vector3 half(0.01, 0.01, random.uniform(0.005, 0.5));
     const Vector3 own(random.size(), random.size(), random.size());
-    const Pose pose = at(half.x() + own.x() + gap, random.uniform(-0.01, 0.01),
-                         random.uniform(-half.z(), half.z()), Eigen::Matrix3d::Identity());
+    const Pose pose = placedAt(half.x() + own.x() + gap, random.uniform(-0.01, 0.01),
+                               random.uniform(-half.z(), half.z()), Eigen::Matrix3d::Identity());
     expectDistance(Box{own}, pose, {-half, half}, gap);
-    const Pose over = at(0.005, 0.005, half.z() + own.z() + gap,
-                         turned(random.uniform(-3.1, 3.1), Vector3::UnitZ()));
+    const Pose over = placedAt(0.005, 0.005, half.z() + own.z() + gap,
+                               turned(random.uniform(-3.1, 3.1), Vector3::UnitZ()));
     expectDistance(Box{own}, over, {-half, half}, gap);
     expectDistance(Cylinder{own.x(), own.z()}, over, {-half, half}, gap);
   }
@@ -221,11 +210,11 @@ TEST(DistanceTest, ParallelFacesAreAsFarApartAsTheirPlanes) {
 
 TEST(DistanceTest, IsZeroWhereTheyTouch) {
   const UprightBox cube = centred(1.0, 1.0, 1.0);
-  EXPECT_EQ(distance(Sphere{0.5}, at(1.0, 0.0, 0.0), cube), 0.0);
-  EXPECT_EQ(distance(Capsule{0.5, 0.25}, at(0.0, 0.0, 1.25), cube), 0.0);
-  EXPECT_EQ(distance(Box{{0.5, 0.5, 0.5}}, at(1.0, 1.0, 1.0), cube), 0.0);
-  EXPECT_EQ(distance(Cylinder{0.5, 0.5}, at(0.0, 0.0, 1.0), cube), 0.0);
-  EXPECT_EQ(distance(Cylinder{0.5, 0.5}, at(1.0, 0.0, 0.0), cube), 0.0);
+  EXPECT_EQ(distance(Sphere{0.5}, placedAt(1.0, 0.0, 0.0), cube), 0.0);
+  EXPECT_EQ(distance(Capsule{0.5, 0.25}, placedAt(0.0, 0.0, 1.25), cube), 0.0);
+  EXPECT_EQ(distance(Box{{0.5, 0.5, 0.5}}, placedAt(1.0, 1.0, 1.0), cube), 0.0);
+  EXPECT_EQ(distance(Cylinder{0.5, 0.5}, placedAt(0.0, 0.0, 1.0), cube), 0.0);
+  EXPECT_EQ(distance(Cylinder{0.5, 0.5}, placedAt(1.0, 0.0, 0.0), cube), 0.0);
 }
 
 TEST(DistanceTest, IsZeroWhereOneIsInsideTheOther) {
@@ -338,8 +327,8 @@ TEST(DistanceTest, ItsBoundIsNeverAboveIt) {
 
 TEST(DistanceTest, ItsBoundIsThatOfUprightBoxes) {
   const UprightBox cube = centred(2.0, 2.0, 2.0);
-  EXPECT_EQ(distanceBound(bounds(Box{{1.0, 1.0, 1.0}}, at(0.0, 5.0, 6.0)), cube), 5.0);
-  EXPECT_EQ(distanceBound(bounds(Sphere{1.0}, at(2.0, 0.0, 0.0)), cube), 0.0);
+  EXPECT_EQ(distanceBound(bounds(Box{{1.0, 1.0, 1.0}}, placedAt(0.0, 5.0, 6.0)), cube), 5.0);
+  EXPECT_EQ(distanceBound(bounds(Sphere{1.0}, placedAt(2.0, 0.0, 0.0)), cube), 0.0);
 }
 
 /// The same set as two kinds of shape.
@@ -390,8 +379,8 @@ TEST(CoreTest, IsNeverNearerThanTheShapeAndTellsHowDeepTheContactIs) {
   }
   const Box plate{{0.3, 0.2, 0.05}};
   const UprightBox cube = centred(0.02, 0.02, 0.02);
-  EXPECT_NEAR(distance(core(plate), at(0.0, 0.0, 0.04), cube), 0.03, kExact);
-  EXPECT_EQ(distance(core(plate), at(0.0, 0.0, 0.005), cube), 0.0);
+  EXPECT_NEAR(distance(core(plate), placedAt(0.0, 0.0, 0.04), cube), 0.03, kExact);
+  EXPECT_EQ(distance(core(plate), placedAt(0.0, 0.0, 0.005), cube), 0.0);
 }
 
 }  // namespace

@@ -3,31 +3,17 @@
 #include <gtest/gtest.h>
 
 #include "support/fcl_overlap.h"
+#include "support/placed.h"
 #include "support/random.h"
 
 namespace tccm {
 namespace {
 
+using test::centred;
+using test::grown;
 using test::overlapsByFcl;
+using test::placedAt;
 using test::Random;
-
-UprightBox grown(const UprightBox& box, double by) {
-  return {box.min().array() - by, box.max().array() + by};
-}
-
-Pose at(double x, double y, double z, const Eigen::Matrix3d& rotation) {
-  Pose pose = Pose::Identity();
-  pose.linear() = rotation;
-  pose.translation() = Vector3(x, y, z);
-  return pose;
-}
-
-Pose at(double x, double y, double z) { return at(x, y, z, Eigen::Matrix3d::Identity()); }
-
-UprightBox centred(double x, double y, double z) {
-  const Vector3 half = 0.5 * Vector3(x, y, z);
-  return {-half, half};
-}
 
 struct Pair {
   Shape shape;
@@ -140,37 +126,37 @@ void expectDistance(const Shape& shape, const Pose& pose, const UprightBox& box,
 TEST(OverlapTest, BoxOf20x40x50NextToACubeOf10IsFreeAt15Point01AndTouchesAt15) {
   const Box box{{10.0, 20.0, 25.0}};
   const UprightBox cube = centred(10.0, 10.0, 10.0);
-  EXPECT_TRUE(overlaps(box, at(15.0, 0.0, 0.0), cube));
-  EXPECT_FALSE(overlaps(box, at(15.01, 0.0, 0.0), cube));
-  expectDistance(box, at(15.1, 0.0, 0.0), cube, 0.1);
+  EXPECT_TRUE(overlaps(box, placedAt(15.0, 0.0, 0.0), cube));
+  EXPECT_FALSE(overlaps(box, placedAt(15.01, 0.0, 0.0), cube));
+  expectDistance(box, placedAt(15.1, 0.0, 0.0), cube, 0.1);
 }
 
 /// Stated for two cylinders of radius 5 and length 10; a cube of 10 is as wide along x.
 TEST(OverlapTest, CylinderOfRadius5At10Point1IsATenthAway) {
-  expectDistance(Cylinder{5.0, 5.0}, at(10.1, 0.0, 0.0), centred(10.0, 10.0, 10.0), 0.1);
-  expectDistance(Cylinder{5.0, 5.0}, at(0.0, 0.0, 10.1), centred(10.0, 10.0, 10.0), 0.1);
+  expectDistance(Cylinder{5.0, 5.0}, placedAt(10.1, 0.0, 0.0), centred(10.0, 10.0, 10.0), 0.1);
+  expectDistance(Cylinder{5.0, 5.0}, placedAt(0.0, 0.0, 10.1), centred(10.0, 10.0, 10.0), 0.1);
 }
 
 TEST(OverlapTest, CapsuleOfRadius2AndLength4BesideABoxOf1x2x4HasFclsDistances) {
   const Capsule capsule{2.0, 2.0};
   const UprightBox box = centred(1.0, 2.0, 4.0);
-  expectDistance(capsule, at(3.0, 0.0, 0.0), box, 0.5);
-  expectDistance(capsule, at(0.0, 0.0, 8.0), box, 2.0);
+  expectDistance(capsule, placedAt(3.0, 0.0, 0.0), box, 0.5);
+  expectDistance(capsule, placedAt(0.0, 0.0, 8.0), box, 2.0);
   const Eigen::Matrix3d along_x =
       Eigen::AngleAxisd(0.5 * M_PI, Vector3::UnitY()).toRotationMatrix();
-  expectDistance(capsule, at(-10.0, 0.0, 0.0, along_x), box, 5.5);
+  expectDistance(capsule, placedAt(-10.0, 0.0, 0.0, along_x), box, 5.5);
 }
 
 TEST(OverlapTest, SphereOfRadiusPoint7AboveABoxIsPoint07Away) {
-  expectDistance(Sphere{0.7}, at(0.15, 0.3, 1.8 + 0.77), centred(0.6, 1.2, 3.6), 0.07);
+  expectDistance(Sphere{0.7}, placedAt(0.15, 0.3, 1.8 + 0.77), centred(0.6, 1.2, 3.6), 0.07);
 }
 
 TEST(OverlapTest, TouchingCounts) {
   const UprightBox cube = centred(1.0, 1.0, 1.0);
-  EXPECT_TRUE(overlaps(Sphere{0.5}, at(1.0, 0.0, 0.0), cube));
-  EXPECT_TRUE(overlaps(Capsule{0.5, 0.25}, at(0.0, 0.0, 1.25), cube));
-  EXPECT_TRUE(overlaps(Box{{0.5, 0.5, 0.5}}, at(1.0, 1.0, 1.0), cube));
-  EXPECT_TRUE(overlaps(Cylinder{0.5, 0.5}, at(0.0, 0.0, 1.0), cube));
+  EXPECT_TRUE(overlaps(Sphere{0.5}, placedAt(1.0, 0.0, 0.0), cube));
+  EXPECT_TRUE(overlaps(Capsule{0.5, 0.25}, placedAt(0.0, 0.0, 1.25), cube));
+  EXPECT_TRUE(overlaps(Box{{0.5, 0.5, 0.5}}, placedAt(1.0, 1.0, 1.0), cube));
+  EXPECT_TRUE(overlaps(Cylinder{0.5, 0.5}, placedAt(0.0, 0.0, 1.0), cube));
 }
 
 TEST(OverlapTest, OneInsideTheOtherOverlaps) {
@@ -191,8 +177,8 @@ TEST(OverlapTest, CrossedBoxesThatOnlyAnEdgeAxisSeparatesAreFree) {
           .toRotationMatrix();
   const Box rod{{0.01, 0.01, 2.0}};
   const UprightBox cube = centred(1.0, 1.0, 1.0);
-  EXPECT_FALSE(overlaps(rod, at(0.75, -0.75, 0.0, tilted), cube));
-  EXPECT_TRUE(overlaps(rod, at(0.25, -0.25, 0.0, tilted), cube));
+  EXPECT_FALSE(overlaps(rod, placedAt(0.75, -0.75, 0.0, tilted), cube));
+  EXPECT_TRUE(overlaps(rod, placedAt(0.25, -0.25, 0.0, tilted), cube));
 }
 
 }  // namespace

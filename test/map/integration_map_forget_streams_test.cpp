@@ -11,21 +11,16 @@
 #include "support/birth_array.h"
 #include "support/part_union.h"
 #include "support/random.h"
+#include "support/small_map.h"
 
 namespace tccm {
 namespace {
 
+using test::atScan;
+using test::snapshotOf;
 using Points = std::vector<Vector3>;
 
-Time atScan(int scan) { return Time(fromSeconds(0.028 * scan)); }
-
 Region everything() { return {{{Box{{5.0, 5.0, 5.0}}, Pose::Identity()}, 0.0}}; }
-
-CuboidMap snapshotOf(const IntegrationMap& map) {
-  CuboidMap snapshot;
-  map.snapshot(snapshot);
-  return snapshot;
-}
 
 /// Randomly placed shapes in and about a region of space.
 Region randomRegion(test::Random& random, const UprightBox& where) {
@@ -54,9 +49,7 @@ double distanceBeyondPadding(const Region& region, const Vector3& p_fixed) {
 /// 20 x 20 cells of 20 mm from 0 to 1 m.
 IntegrationMap::Config wideConfig() {
   IntegrationMap::Config config;
-  config.grid.origin_x_m = config.grid.origin_y_m = 0.0;
-  config.grid.size_x_m = config.grid.size_y_m = 0.4;
-  config.grid.height_max_m = 1.0;
+  config.grid = test::smallGrid(0.4, 0.4, 1.0);
   config.returns_max = config.intervals_max = 1000;
   return config;
 }
@@ -99,24 +92,11 @@ TEST(ForgetStreamsTest, AllThatWereInsideLeaveAndNoneFromFurtherThanACellsDiagon
   EXPECT_LT(between, inside + outside);
 }
 
-/// 4 x 3 cells from 20 mm to 0.4 m, so that returns meet often. There is room for all intervals at
-/// once, not for any that leak.
-IntegrationMap::Config crowdedConfig() {
-  IntegrationMap::Config config;
-  config.grid.origin_x_m = config.grid.origin_y_m = 0.0;
-  config.grid.size_x_m = 0.08;
-  config.grid.size_y_m = 0.06;
-  config.grid.height_min_m = 0.02;
-  config.grid.height_max_m = 0.4;
-  config.returns_max = 3000;
-  config.intervals_max = 1200;
-  return config;
-}
-
-/// The map beside a list of the window's returns.
+/// The map beside a list of the window's returns. There is room for all intervals at once, not for
+/// any that leak.
 class Comparison {
  public:
-  Comparison() : map_(crowdedConfig()), births_(map_.grid().cells(), 400) {}
+  Comparison() : map_(test::crowdedMap(3000, 1200)), births_(map_.grid().cells(), 400) {}
 
   void add(Points points) {
     const Time stamp = atScan(scan_++);

@@ -7,38 +7,25 @@
 
 #include "map/integration_map.h"
 #include "support/part_union.h"
+#include "support/small_map.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {
 
+using test::atScan;
+using test::snapshotOf;
 using Runs = std::vector<test::Run>;
 using Points = std::vector<Vector3>;
 
-Time atScan(int scan) { return Time(fromSeconds(0.028 * scan)); }
-
-/// 3 x 2 cells from 0 to 1 m. Half a cell's diagonal: 71 mm, or 1.4 mm where cells are of 2 mm.
-IntegrationMap::Config smallConfig(double cell_size_m = 0.1) {
-  IntegrationMap::Config config;
-  config.grid.origin_x_m = config.grid.origin_y_m = 0.0;
-  config.grid.size_x_m = 3 * cell_size_m;
-  config.grid.size_y_m = 2 * cell_size_m;
-  config.grid.height_max_m = 1.0;
-  config.grid.cell_size_m = cell_size_m;
-  return config;
-}
+/// Half a cell's diagonal: 71 mm, or 1.4 mm where cells are of 2 mm.
+IntegrationMap::Config smallConfig(double cell_size_m = 0.1) { return test::sixCells(cell_size_m); }
 
 PaddedShape ball(double radius, const Vector3& centre, double padding_m = 0.0) {
   return {{Sphere{radius}, Pose(Eigen::Translation3d(centre))}, padding_m};
 }
 
 Region everything() { return {{{Box{{5.0, 5.0, 5.0}}, Pose::Identity()}, 0.0}}; }
-
-CuboidMap snapshotOf(const IntegrationMap& map) {
-  CuboidMap snapshot;
-  map.snapshot(snapshot);
-  return snapshot;
-}
 
 Runs runsIn(const IntegrationMap& map) { return test::runsOf(snapshotOf(map)); }
 

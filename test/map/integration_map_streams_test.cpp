@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <functional>
 #include <limits>
 #include <optional>
 
@@ -14,6 +15,7 @@
 #include "support/part_union.h"
 #include "support/random.h"
 #include "support/shared_data.h"
+#include "support/small_map.h"
 
 namespace tccm {
 namespace {
@@ -96,18 +98,7 @@ class Comparison {
   std::size_t cuboids_ = 0;
 };
 
-/// 4 x 3 cells from 0 to 0.4 m, so that returns meet often; nothing below 20 mm.
-IntegrationMap::Config crowdedConfig() {
-  IntegrationMap::Config config;
-  config.grid.origin_x_m = config.grid.origin_y_m = 0.0;
-  config.grid.size_x_m = 0.08;
-  config.grid.size_y_m = 0.06;
-  config.grid.height_min_m = 0.02;
-  config.grid.height_max_m = 0.4;
-  config.returns_max = 20000;
-  config.intervals_max = 20000;
-  return config;
-}
+IntegrationMap::Config crowdedConfig() { return test::crowdedMap(20000, 20000); }
 
 struct Stream {
   int returns_max;  ///< in a scan; 0 to this many
@@ -136,6 +127,22 @@ Points nextScan(test::Random& random, const Stream& stream, const Points& last) 
 const std::vector<Stream> kStreams = {
     {4, 0.1, 0.1}, {40, 0.1, 0.2}, {150, 0.0, 0.0}, {20, 0.5, 0.3}};
 
+/// @param window how many scans are to be left of a stream, asked after each.
+void expectEqualAlong(Comparison& comparison, test::Random& random, const Stream& stream, int scans,
+                      const std::function<std::size_t()>& window) {
+  Points points;
+  for (int scan = 0; scan < scans; ++scan) {
+    points = nextScan(random, stream, points);
+    comparison.add(points);
+    ASSERT_NO_FATAL_FAILURE(comparison.expectEqual());
+    const std::size_t left = window();
+    while (comparison.scans() > left) {
+      comparison.expireOldest();
+      ASSERT_NO_FATAL_FAILURE(comparison.expectEqual());
+    }
+  }
+}
+
 TEST(IntegrationMapStreamsTest, RandomStreamsThroughFixedWindowsAreExactAfterEveryStep) {
   unsigned seed = 50;
   for (const Stream& stream : kStreams) {
@@ -143,15 +150,8 @@ TEST(IntegrationMapStreamsTest, RandomStreamsThroughFixedWindowsAreExactAfterEve
       SCOPED_TRACE(testing::Message() << "window " << window << ", up to " << stream.returns_max);
       test::Random random(++seed);
       Comparison comparison(crowdedConfig(), Comparison::Births::kCompared);
-      Points points;
-      for (int scan = 0; scan < 200; ++scan) {
-        points = nextScan(random, stream, points);
-        comparison.add(points);
-        ASSERT_NO_FATAL_FAILURE(comparison.expectEqual());
-        if (comparison.scans() <= window) continue;
-        comparison.expireOldest();
-        ASSERT_NO_FATAL_FAILURE(comparison.expectEqual());
-      }
+      ASSERT_NO_FATAL_FAILURE(
+          expectEqualAlong(comparison, random, stream, 200, [window] { return window; }));
       EXPECT_GT(comparison.cuboidsCompared(), 200U);
     }
   }
@@ -162,17 +162,10 @@ TEST(IntegrationMapStreamsTest, GrowingAndShrinkingWindowsAreExactAfterEveryStep
   for (const Stream& stream : kStreams) {
     test::Random random(++seed);
     Comparison comparison(crowdedConfig(), Comparison::Births::kCompared);
-    Points points;
-    for (int scan = 0; scan < 300; ++scan) {
-      points = nextScan(random, stream, points);
-      comparison.add(points);
-      ASSERT_NO_FATAL_FAILURE(comparison.expectEqual());
-      const auto window = static_cast<std::size_t>(random.integer(1, random.chance(0.1) ? 2 : 60));
-      while (comparison.scans() > window) {
-        comparison.expireOldest();
-        ASSERT_NO_FATAL_FAILURE(comparison.expectEqual());
-      }
-    }
+    const auto window = [&random] {
+      return static_cast<std::size_t>(random.integer(1, random.chance(0.1) ? 2 : 60));
+    };
+    ASSERT_NO_FATAL_FAILURE(expectEqualAlong(comparison, random, stream, 300, window));
   }
 }
 

@@ -9,6 +9,7 @@
 
 #include "support/part_union.h"
 #include "support/random.h"
+#include "support/small_map.h"
 #include "tccm_monitor/config_error.h"
 
 namespace {
@@ -32,30 +33,15 @@ void operator delete[](void* memory, std::size_t /*size*/) noexcept { std::free(
 namespace tccm {
 namespace {
 
+using test::atScan;
+using test::snapshotOf;
 using Runs = std::vector<test::Run>;
 using Points = std::vector<Vector3>;
 
-Time atScan(int scan) { return Time(fromSeconds(0.028 * scan)); }
-
-/// 3 x 2 cells of 100 mm, from 0 to 1 m.
-IntegrationMap::Config smallConfig() {
-  IntegrationMap::Config config;
-  config.grid.origin_x_m = config.grid.origin_y_m = 0.0;
-  config.grid.size_x_m = 0.3;
-  config.grid.size_y_m = 0.2;
-  config.grid.height_max_m = 1.0;
-  config.grid.cell_size_m = 0.1;
-  return config;
-}
+IntegrationMap::Config smallConfig() { return test::sixCells(); }
 
 /// In the first cell.
 Vector3 atHeight(double z) { return {0.05, 0.05, z}; }
-
-CuboidMap snapshotOf(const IntegrationMap& map) {
-  CuboidMap snapshot;
-  map.snapshot(snapshot);
-  return snapshot;
-}
 
 Runs runsIn(const IntegrationMap& map) { return test::runsOf(snapshotOf(map)); }
 

@@ -7,6 +7,7 @@
 
 #include "map/mapper.h"
 #include "support/random.h"
+#include "support/small_map.h"
 
 namespace tccm {
 namespace {
@@ -20,11 +21,7 @@ const Vector3 kElsewhere(0.05, 0.05, 0.3);
 Time at(double seconds) { return Time(fromSeconds(seconds)); }
 
 Mapper::Config config() {
-  Mapper::Config config;
-  config.map.grid.origin_y_m = 0.0;
-  config.map.grid.size_x_m = config.map.grid.size_y_m = 0.2;
-  config.map.returns_max = 10000;
-  config.map.intervals_max = 1000;
+  Mapper::Config config = test::smallMapper();
   config.hold.intervals_max = 1000;
   config.window_scans = kWindow;
   config.hold.longest_s = 1.0;
@@ -47,6 +44,11 @@ class Feed {
       }
       EXPECT_EQ(mapper_.add(scan).dropped, "");
     }
+  }
+  /// The place is seen, and then no more until that scan has left the window.
+  void seeOnce() {
+    scan({{kViewpoint, kPlace, Look::End::kSurface}});
+    scan({}, kWindow);
   }
   std::size_t count(bool held) {
     mapper_.snapshot(map_);
@@ -157,8 +159,7 @@ TEST(MapperHoldTest, NextToTheRobotAPlaceIsLetGoOfOnceItIsLookedThroughAllAround
   Mapper::Config wide = config();
   wide.hold.outline_rad = 0.15;
   Feed feed(wide);
-  feed.scan({to(kPlace)});
-  feed.scan({}, kWindow);
+  feed.seeOnce();
   feed.scan(allAround(1.0), 2);
   EXPECT_EQ(feed.held(), 1U) << "something is still there";
   feed.scan(allAround(1.2), 2);
@@ -169,8 +170,7 @@ TEST(MapperHoldTest, AHeldIntervalIsLetGoOfOnceItsPlaceIsSeenAgain) {
   for (const Look& look : {past(kPlace, 1.5, Look::End::kNothing), past(kPlace, 1.1), to(kPlace),
                            past(kPlace, 0.97)}) {
     Feed feed;
-    feed.scan({to(kPlace)});
-    feed.scan({}, kWindow);
+    feed.seeOnce();
     ASSERT_EQ(feed.held(), 1U);
     feed.scan({look});
     EXPECT_EQ(feed.held(), 0U);
@@ -179,8 +179,7 @@ TEST(MapperHoldTest, AHeldIntervalIsLetGoOfOnceItsPlaceIsSeenAgain) {
 
 TEST(MapperHoldTest, ItIsHeldForHoldSecondsAtMost) {
   Feed feed;
-  feed.scan({to(kPlace)});
-  feed.scan({}, kWindow);
+  feed.seeOnce();
   feed.scan({}, 40);  // 1 s
   EXPECT_EQ(feed.held(), 1U);
   feed.scan({});
@@ -191,16 +190,14 @@ TEST(MapperHoldTest, WithoutHoldingItIsGoneAtOnce) {
   Mapper::Config off = config();
   off.hold.longest_s = 0.0;
   Feed feed(off);
-  feed.scan({to(kPlace)});
-  feed.scan({}, kWindow);
+  feed.seeOnce();
   EXPECT_EQ(feed.live() + feed.held(), 0U);
 }
 
 TEST(MapperHoldTest, WhatWasLookedAtBeforeTheScanThatSawItCountsForNothing) {
   Feed feed;
   feed.scan({past(kPlace, 1.5, Look::End::kNothing)});
-  feed.scan({to(kPlace)});
-  feed.scan({}, kWindow);
+  feed.seeOnce();
   EXPECT_EQ(feed.held(), 1U);
 }
 

@@ -5,10 +5,13 @@
 #include <cmath>
 #include <limits>
 
+#include "support/small_map.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {
+
+using test::snapshotOf;
 
 constexpr double kScanPeriod = 0.025;  // [s]
 constexpr double kTiltPeriod = 2.0;    // [s]
@@ -29,21 +32,7 @@ ScanReturns scanAt(double stamp, std::vector<Vector3> points = {}) {
   return scan;
 }
 
-Mapper::Config smallMap() {
-  Mapper::Config config;
-  config.map.grid.origin_y_m = 0.0;
-  config.map.grid.size_x_m = config.map.grid.size_y_m = 0.2;
-  config.map.returns_max = 10000;
-  config.map.intervals_max = 1000;
-  config.hold.longest_s = 0.0;
-  return config;
-}
-
-CuboidMap snapshotOf(const Mapper& mapper) {
-  CuboidMap map;
-  mapper.snapshot(map);
-  return map;
-}
+Mapper::Config smallMap() { return test::smallMapper(); }
 
 bool isComplete(const Mapper& mapper) { return snapshotOf(mapper).complete; }
 

@@ -20,13 +20,16 @@ std::vector<CellIndex> droppedCells(PartMapRing& ring) {
   return cells;
 }
 
+/// A part map that comes at so many seconds.
+void begin(PartMapRing& ring, std::uint32_t serial, const std::vector<MappedReturn>& entries) {
+  ring.begin(serial, atSeconds(serial));
+  for (const MappedReturn& entry : entries) ring.add(entry);
+}
+
 TEST(PartMapRingTest, PartMapsLeaveInTheOrderTheyCame) {
   PartMapRing ring(3, 10);
-  ring.begin(1, atSeconds(1.0));
-  ring.add({11, 5});
-  ring.add({12, 5});
-  ring.begin(2, atSeconds(2.0));
-  ring.add({21, 5});
+  begin(ring, 1, {{11, 5}, {12, 5}});
+  begin(ring, 2, {{21, 5}});
   EXPECT_EQ(ring.scans(), 2U);
   EXPECT_EQ(ring.oldestStamp(), atSeconds(1.0));
   EXPECT_EQ(ring.oldestSerial(), 1U);
@@ -48,11 +51,8 @@ TEST(PartMapRingTest, AScanWithoutReturnsIsAPartMapToo) {
 
 TEST(PartMapRingTest, RoomIsUsedUpAndComesBackWhenTheOldestLeaves) {
   PartMapRing ring(4, 3);
-  ring.begin(1, atSeconds(1.0));
-  ring.add({1, 0});
-  ring.add({2, 0});
-  ring.begin(2, atSeconds(2.0));
-  ring.add({3, 0});
+  begin(ring, 1, {{1, 0}, {2, 0}});
+  begin(ring, 2, {{3, 0}});
   EXPECT_FALSE(ring.hasRoom());
   droppedCells(ring);
   EXPECT_TRUE(ring.hasRoom());
@@ -77,11 +77,8 @@ TEST(PartMapRingTest, ClearingEmptiesIt) {
 TEST(PartMapRingTest, WhatIsNotKeptLeavesItsRoomAndItsPartMapStays) {
   PartMapRing ring(3, 4);
   ring.keepIf([](const MappedReturn&) { return false; });
-  ring.begin(1, atSeconds(1.0));
-  ring.add({1, 0});
-  ring.add({2, 0});
-  ring.begin(2, atSeconds(2.0));
-  ring.add({3, 0});
+  begin(ring, 1, {{1, 0}, {2, 0}});
+  begin(ring, 2, {{3, 0}});
   ring.add({4, 0});
   ASSERT_FALSE(ring.hasRoom());
   ring.keepIf([](const MappedReturn& entry) { return entry.cell == 4; });

@@ -62,17 +62,34 @@ TEST_F(BodySamplerTest, AMissingRootIsSaid) {
   EXPECT_NE(sampler_.sample(at(1.0), at(1.03), {}), "");
 }
 
+PosePath standingRoot() {
+  PosePath root;
+  root.add(at(0.9), Pose::Identity());
+  root.add(at(1.1), Pose::Identity());
+  return root;
+}
+
+/// Of a robot that stands.
+const Body& sampledBody(BodySampler& sampler, double glide) {
+  sampler.joints().add(at(1.0), {"slide", "glide"}, {0.0, glide}, {});
+  EXPECT_EQ(sampler.sample(at(1.0), at(1.0), {standingRoot()}), "");
+  return sampler.samples().front().body;
+}
+
+/// Of one that glides so far within 20 ms.
+const std::vector<BodySample>& samplesOfAMove(BodySampler& sampler, double glide) {
+  sampler.joints().add(at(1.0), {"slide", "glide"}, {0.0, 0.0}, {});
+  sampler.joints().add(at(1.02), {"slide", "glide"}, {0.0, glide}, {});
+  EXPECT_EQ(sampler.sample(at(1.0), at(1.02), {standingRoot()}), "");
+  return sampler.samples();
+}
+
 TEST(BodySamplerUseTest, ScaleGrowsTheShapesAndPaddingComesWithThemLinkByLink) {
   BodySampler::Config config;
   config.filtered.expansion = Expansion{1.5, 0.02};
   config.filtered.exceptions = {{{"hand"}, std::nullopt, 0.07}, {{"oth*"}, 2.0, std::nullopt}};
   BodySampler sampler(test::sliderModel(), config);
-  sampler.joints().add(at(1.0), {"slide", "glide"}, {0.0, 0.0}, {});
-  PosePath root;
-  root.add(at(0.9), Pose::Identity());
-  root.add(at(1.1), Pose::Identity());
-  ASSERT_EQ(sampler.sample(at(1.0), at(1.0), {root}), "");
-  const Body& body = sampler.samples().front().body;
+  const Body& body = sampledBody(sampler, 0.0);
   ASSERT_EQ(body.shapes.size(), 2U);
   EXPECT_NEAR(std::get<Sphere>(body.shapes[0]).radius, 1.5 * 0.05, 1e-12) << "no padding in it";
   EXPECT_NEAR(std::get<Sphere>(body.shapes[1]).radius, 2.0 * 0.05, 1e-12);
@@ -85,13 +102,9 @@ TEST(BodySamplerUseTest, ALinkThatIsNotFilteredOutIsInNoSample) {
   BodySampler::Config config;
   config.filtered.ignored = {"hand"};
   BodySampler sampler(test::sliderModel(), config);
-  sampler.joints().add(at(1.0), {"slide", "glide"}, {0.0, 0.3}, {});
-  PosePath root;
-  root.add(at(0.9), Pose::Identity());
-  root.add(at(1.1), Pose::Identity());
-  ASSERT_EQ(sampler.sample(at(1.0), at(1.0), {root}), "");
-  ASSERT_EQ(sampler.samples().front().body.poses.size(), 1U);
-  EXPECT_NEAR(sampler.samples().front().body.poses[0].translation().x(), 0.3, 1e-12);
+  const Body& body = sampledBody(sampler, 0.3);
+  ASSERT_EQ(body.poses.size(), 1U);
+  EXPECT_NEAR(body.poses[0].translation().x(), 0.3, 1e-12);
 }
 
 TEST_F(BodySamplerTest, WhatIsHeldIsFilteredOutFromTheNextSampleOn) {
@@ -112,30 +125,18 @@ TEST(BodySamplerUseTest, PaddingsGrowWithTheSpeedOfWhatMayBeLate) {
   BodySampler::Config config;
   config.lateness_s = 0.03;
   BodySampler sampler(test::sliderModel(), config);
-  sampler.joints().add(at(1.0), {"slide", "glide"}, {0.0, 0.0}, {});
-  sampler.joints().add(at(1.02), {"slide", "glide"}, {0.0, 0.01}, {});
-  PosePath root;
-  root.add(at(0.9), Pose::Identity());
-  root.add(at(1.1), Pose::Identity());
-  ASSERT_EQ(sampler.sample(at(1.0), at(1.02), {root}), "");
-  ASSERT_GT(sampler.samples().size(), 2U);
+  ASSERT_GT(samplesOfAMove(sampler, 0.01).size(), 2U);
   for (const BodySample& sample : sampler.samples()) {
     EXPECT_NEAR(sample.body.paddings_m[0], 0.025, 1e-9) << "it stands";
     EXPECT_NEAR(sample.body.paddings_m[1], 0.025 + 0.03 * 0.5, 1e-6) << "half a metre a second";
   }
-  ASSERT_EQ(sampler.sample(at(1.0), at(1.0), {root}), "");
+  ASSERT_EQ(sampler.sample(at(1.0), at(1.0), {standingRoot()}), "");
   EXPECT_EQ(sampler.samples().front().body.paddings_m[1], 0.025) << "one instant tells no speed";
 }
 
 TEST(BodySamplerUseTest, JointStatesThatJumpGrowNoPaddingByMoreThanItsLimit) {
   BodySampler sampler(test::sliderModel(), BodySampler::Config{});
-  sampler.joints().add(at(1.0), {"slide", "glide"}, {0.0, 0.0}, {});
-  sampler.joints().add(at(1.02), {"slide", "glide"}, {0.0, 0.9}, {});
-  PosePath root;
-  root.add(at(0.9), Pose::Identity());
-  root.add(at(1.1), Pose::Identity());
-  ASSERT_EQ(sampler.sample(at(1.0), at(1.02), {root}), "");
-  EXPECT_NEAR(sampler.samples().back().body.paddings_m[1], 0.025 + 0.05, 1e-9);
+  EXPECT_NEAR(samplesOfAMove(sampler, 0.9).back().body.paddings_m[1], 0.025 + 0.05, 1e-9);
 }
 
 /// A base and a trailer, each on a path of its own.

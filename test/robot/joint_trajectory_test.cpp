@@ -15,11 +15,7 @@
 namespace tccm {
 namespace {
 
-using test::axisOf;
-using test::ballLink;
-using test::jointOf;
-using test::limitOf;
-using test::linkOf;
+using namespace test::urdf_text;
 using test::Random;
 
 using Positions = std::vector<double>;

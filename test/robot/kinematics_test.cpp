@@ -20,11 +20,7 @@
 namespace tccm {
 namespace {
 
-using test::axisOf;
-using test::ballLink;
-using test::jointOf;
-using test::limitOf;
-using test::linkOf;
+using namespace test::urdf_text;
 using test::Random;
 
 Pose toPose(const KDL::Frame& frame) {

@@ -15,13 +15,8 @@
 namespace tccm {
 namespace {
 
-using test::axisOf;
-using test::collisionOf;
-using test::jointOf;
-using test::limitOf;
-using test::linkOf;
+using namespace test::urdf_text;
 using test::Random;
-using test::robotOf;
 
 constexpr double kRounding = 1e-12;
 constexpr double kPi = 3.14159265358979323846;

@@ -13,13 +13,7 @@
 namespace tccm {
 namespace {
 
-using test::axisOf;
-using test::ballLink;
-using test::collisionOf;
-using test::jointOf;
-using test::linkOf;
-using test::robotOf;
-using test::sphereOf;
+using namespace test::urdf_text;
 
 constexpr std::size_t kTenMegabytes = 10'000'000;
 constexpr double kSoon = 4.0;  // [s] of the processor's time

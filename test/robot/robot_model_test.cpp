@@ -14,15 +14,8 @@
 namespace tccm {
 namespace {
 
-using test::axisOf;
-using test::ballLink;
-using test::collisionOf;
-using test::jointOf;
-using test::limitOf;
-using test::linkOf;
+using namespace test::urdf_text;
 using test::refusalOf;
-using test::robotOf;
-using test::sphereOf;
 
 ::testing::AssertionResult refusedNaming(const std::string& what, const std::string& urdf,
                                          const RobotModel::Config& config = {}) {

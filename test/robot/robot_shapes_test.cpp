@@ -11,15 +11,9 @@
 namespace tccm {
 namespace {
 
-using test::axisOf;
-using test::ballLink;
-using test::collisionOf;
-using test::jointOf;
-using test::linkOf;
+using namespace test::urdf_text;
 using test::names;
 using test::refusalOf;
-using test::robotOf;
-using test::sphereOf;
 
 constexpr const char* kTetrahedron =
     "v 0 0 0\nv 0.1 0 0\nv 0 0.2 0\nv 0 0 0.3\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n";

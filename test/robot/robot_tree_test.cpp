@@ -14,14 +14,9 @@
 namespace tccm {
 namespace {
 
-using test::axisOf;
-using test::ballLink;
-using test::jointOf;
-using test::limitOf;
-using test::linkOf;
+using namespace test::urdf_text;
 using test::names;
 using test::refusalOf;
-using test::robotOf;
 
 using Links = std::vector<std::string>;
 

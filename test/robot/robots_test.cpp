@@ -16,6 +16,7 @@
 #include "support/geometric_shapes_body.h"
 #include "support/random.h"
 #include "support/robot_meshes.h"
+#include "tools/link_primitives.h"
 
 namespace tccm {
 namespace {
@@ -42,15 +43,6 @@ const Robot& robotOf(const SharedRobot& shared) {
   const auto found = robots.find(shared.folder);
   return found != robots.end() ? found->second
                                : robots.emplace(shared.folder, shared).first->second;
-}
-
-LinkPrimitives primitivesOf(const RobotModel& model) {
-  LinkPrimitives links;
-  for (std::size_t i = 0; i < model.shapes().size(); ++i) {
-    const LinkShape& shape = model.shapes()[i];
-    links[model.linkOf(i)].push_back({shape.shape, shape.T_link_shape});
-  }
-  return links;
 }
 
 LinkPrimitives writtenAndReadAgain(const LinkPrimitives& primitives) {

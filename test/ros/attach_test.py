@@ -15,24 +15,12 @@ from monitor_recorder import Recorder, wait_for_nodelets
 from named_subtests import NamedSubTests
 from tccm_monitor.msg import AttachedObject, AttachedObjects, CuboidMap, Primitive
 from tccm_monitor.srv import AttachObject, CheckState, CheckStateResponse, DetachObject
+from waiting import PATIENCE, wait_for
 
 HAND = "right_palm_link"
 RADIUS = 0.04
 FORGET_PADDING = 0.08  # the default
 CELL_DOUBT = 0.015  # how far a point may be from its cell's centre
-PATIENCE = 20.0  # seconds
-
-
-def wait_for(what, patience=PATIENCE):
-    """@return what `what` returns, once that is something."""
-    deadline = time.monotonic() + patience
-    while True:
-        value = what()
-        if value:
-            return value
-        if time.monotonic() > deadline:
-            raise AssertionError("it does not happen: " + (what.__doc__ or repr(what)))
-        time.sleep(0.01)
 
 
 def ball(position, radius=RADIUS):

@@ -9,24 +9,13 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from waiting import PATIENCE, wait_for
+
 PERMISSION_PERIOD = 0.02
 # What the way through sockets, schedulers and this program may add on a machine that is busy.
 SLACK = 0.04
 ARM_JOINTS = ("left_shoulder_pitch_joint", "left_elbow_joint")
 AT_REST = 1e-6  # [rad]
-PATIENCE = 20.0  # seconds
-
-
-def wait_for(what, patience=PATIENCE):
-    """@return what `what` returns, once that is something."""
-    deadline = time.monotonic() + patience
-    while True:
-        value = what()
-        if value:
-            return value
-        if time.monotonic() > deadline:
-            raise AssertionError("it does not happen: " + (what.__doc__ or repr(what)))
-        time.sleep(0.002)
 
 
 def goal_to(positions, seconds):

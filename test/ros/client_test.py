@@ -10,9 +10,10 @@ import rostest
 from trajectory_msgs.msg import JointTrajectory
 
 from client_recorder import (AT_REST, PERMISSION_PERIOD, SLACK, ClientRecorder, Rate,
-                             goal_to, wait_for)
+                             goal_to)
 from tccm_monitor.msg import MotionPermission
 from tccm_monitor.srv import CheckTrajectory, CheckTrajectoryResponse
+from waiting import wait_for
 
 VALIDITY = 2.5 * PERMISSION_PERIOD
 # Where silence is not what is tested: a busy machine may be late.

@@ -16,8 +16,9 @@ import yaml
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from client_recorder import (AT_REST, PERMISSION_PERIOD, SLACK, ClientRecorder, wait_for)
+from client_recorder import AT_REST, PERMISSION_PERIOD, SLACK, ClientRecorder
 from tccm_monitor.msg import MotionPermission
+from waiting import wait_for
 
 SCAN_PERIOD, ROBOT_PERIOD = 0.028, 0.01
 # A checker that is dead is noticed by its silence. One that lives notices a map that does not get

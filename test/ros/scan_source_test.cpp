@@ -47,6 +47,12 @@ class ScanSourceTest : public ::testing::Test {
   ScanSource source(const std::vector<std::string>& roots = {}) {
     return {settings_, roots, history_};
   }
+  /// Nothing is heard of the first one's sensor.
+  void addOneThatCannotLeaveAndOneThatCould(ScanSource& source) {
+    hearFromTo("camera", 0.95, 1.15);
+    EXPECT_EQ(source.add(scanAt(1.0), "laser", at(1.03)), "");
+    EXPECT_EQ(source.add(scanAt(1.03), "camera", at(1.06)), "");
+  }
 
   AssemblerConfig settings_;
   tf2::BufferCore buffer_;
@@ -87,18 +93,14 @@ TEST_F(ScanSourceTest, ScansLeaveInTheOrderTheyCame) {
 
 TEST_F(ScanSourceTest, AScanIsNotOvertakenByOneThatCouldLeave) {
   ScanSource source = this->source();
-  hearFromTo("camera", 0.95, 1.15);
-  EXPECT_EQ(source.add(scanAt(1.0), "laser", at(1.03)), "");
-  EXPECT_EQ(source.add(scanAt(1.03), "camera", at(1.06)), "");
+  addOneThatCannotLeaveAndOneThatCould(source);
   EXPECT_EQ(source.next(nullptr, at(1.1)), nullptr);
   EXPECT_EQ(source.waiting(), 2U);
 }
 
 TEST_F(ScanSourceTest, AScanThatWaitsTooLongIsDroppedAndTheNextLeaves) {
   ScanSource source = this->source();
-  hearFromTo("camera", 0.95, 1.15);
-  EXPECT_EQ(source.add(scanAt(1.0), "laser", at(1.03)), "");
-  EXPECT_EQ(source.add(scanAt(1.03), "camera", at(1.06)), "");
+  addOneThatCannotLeaveAndOneThatCould(source);
   EXPECT_EQ(source.next(nullptr, at(1.53)), nullptr);
   const ScanSource::Ready* ready = source.next(nullptr, at(1.54));
   ASSERT_NE(ready, nullptr);

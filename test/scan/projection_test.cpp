@@ -70,9 +70,10 @@ sensor_msgs::LaserScan toMessage(const LaserScan& scan) {
 }
 
 /// The message's angles and increments are floats: take them back, so that both project the same.
-void roundToFloat(LaserScan& scan) {
+LaserScan roundedToFloat(LaserScan scan) {
   scan.angle_min = static_cast<float>(scan.angle_min);
   scan.angle_increment = static_cast<float>(scan.angle_increment);
+  return scan;
 }
 
 /// The cloud leaves out what is no return, in the order of the beams. @param tolerance [m]
@@ -180,8 +181,7 @@ TEST(ProjectionTest, AStandingSensorAgreesWithLaserGeometry) {
   test::Random random(15);
   laser_geometry::LaserProjection projection;
   for (int i = 0; i < 20; ++i) {
-    LaserScan scan = randomScan(random, 0.0);
-    roundToFloat(scan);
+    LaserScan scan = roundedToFloat(randomScan(random, 0.0));
     scan.ranges[10] = kNaN;
     scan.ranges[20] = kInfinity;
     sensor_msgs::PointCloud2 cloud;
@@ -212,8 +212,7 @@ TEST(ProjectionTest, AMovingSensorAgreesWithLaserGeometryAndTf) {
   test::Random random(16);
   laser_geometry::LaserProjection projection;
   for (int i = 0; i < 20; ++i) {
-    LaserScan scan = randomScan(random, 0.0005);
-    roundToFloat(scan);
+    const LaserScan scan = roundedToFloat(randomScan(random, 0.0005));
     const Pose before = random.pose(1.0);
     Pose after = before * Pose(Eigen::AngleAxisd(0.15, random.direction()));
     after.translation() += random.point(0.2);

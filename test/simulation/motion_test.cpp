@@ -34,6 +34,13 @@ TEST(TiltMotionTest, VelocityIsTheDerivativeOfPosition) {
   }
 }
 
+/// 0.3 m of 2 m behind it.
+PathController onItsWay(Time& now, const PathController::Config& config = {}) {
+  PathController controller(config, 2.0);
+  while (controller.distance() < 0.3) controller.step(now += kStep, false);
+  return controller;
+}
+
 TEST(PathControllerTest, BrakesWithinLatencyAndDeceleration) {
   for (const double speed : {0.1, 0.25, 0.4}) {
     PathController::Config config;
@@ -87,9 +94,8 @@ TEST(PathControllerTest, SetsOffSlowlyAndOnlyAfterRelease) {
 TEST(PathControllerTest, ASpeedScaleTakesEffectAfterTheLatencyWithTheAccelerationOfBraking) {
   PathController::Config config;
   config.speed_mps = 0.4;
-  PathController controller(config, 2.0);
   Time now{};
-  while (controller.distance() < 0.3) controller.step(now += kStep, false);
+  PathController controller = onItsWay(now, config);
   controller.setSpeedScale(0.25);
   for (int i = 0; i < 20; ++i) controller.step(now += kStep, false);
   EXPECT_NEAR(controller.speed(), 0.4, 1e-9);
@@ -105,9 +111,8 @@ TEST(PathControllerTest, ASpeedScaleTakesEffectAfterTheLatencyWithTheAcceleratio
 }
 
 TEST(PathControllerTest, AtASpeedScaleOf0TheHandStandsAndAStopOutweighsAnyScale) {
-  PathController controller({}, 2.0);
   Time now{};
-  while (controller.distance() < 0.3) controller.step(now += kStep, false);
+  PathController controller = onItsWay(now);
   controller.setSpeedScale(0.0);
   for (int i = 0; i < 1000; ++i) controller.step(now += kStep, false);
   const double rest = controller.distance();
@@ -120,9 +125,8 @@ TEST(PathControllerTest, AtASpeedScaleOf0TheHandStandsAndAStopOutweighsAnyScale)
 }
 
 TEST(PathControllerTest, AHandThatMayHardlyMoveAfterAStopGoesNoFasterThanItsScale) {
-  PathController controller({}, 2.0);
   Time now{};
-  while (controller.distance() < 0.3) controller.step(now += kStep, false);
+  PathController controller = onItsWay(now);
   controller.setSpeedScale(0.2);
   for (int i = 0; i < 500; ++i) controller.step(now += kStep, true);
   for (int i = 0; i < 3000; ++i) {

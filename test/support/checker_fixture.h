@@ -39,6 +39,13 @@ class CheckerFixture : public ::testing::Test {
   }
 
   void remake() { checker_ = std::make_unique<Checker>(model_, config_); }
+  /// A new one that knows, of map, joints and root, those whose bit is set: 1, 2, 4.
+  void remakeWith(int given) {
+    remake();
+    if (given & 1) setMap(kStart, clear_);
+    if (given & 2) addJoints(kStart, 0.0);
+    if (given & 4) setRoot(kStart);
+  }
 
   void setMap(double now, const CuboidMap& map, double stamp) {
     auto copy = std::make_shared<CuboidMap>(map);
@@ -57,6 +64,9 @@ class CheckerFixture : public ::testing::Test {
   /// Everything there is, fresh.
   void feed(double now, const CuboidMap& map, double slide = 0.0, double velocity = 0.0) {
     setRoot(now);
+    feedAllButRoot(now, map, slide, velocity);
+  }
+  void feedAllButRoot(double now, const CuboidMap& map, double slide = 0.0, double velocity = 0.0) {
     addJoints(now, slide, velocity);
     setMap(now, map);
   }

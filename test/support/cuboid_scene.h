@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "map/cuboid_map.h"
+#include "support/placed.h"
 #include "support/random.h"
 
 namespace tccm::test {
@@ -57,12 +58,6 @@ inline CuboidMap randomMap(Random& random, const Grid::Config& grid, double shar
     }
   }
   return map;
-}
-
-inline Pose placedAt(double x, double y, double z) {
-  Pose pose = Pose::Identity();
-  pose.translation() = Vector3(x, y, z);
-  return pose;
 }
 
 }  // namespace tccm::test

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <random>
+#include <vector>
 
 #include "geometry/shape.h"
 
@@ -26,6 +27,17 @@ class Random {
   Vector3 pointIn(const UprightBox& box) {
     return {uniform(box.min().x(), box.max().x()), uniform(box.min().y(), box.max().y()),
             uniform(box.min().z(), box.max().z())};
+  }
+  /// Points of a plane, a line or a single place (2, 1, 0 dimensions), wherever it lies.
+  std::vector<Vector3> flatCloud(int dimensions, int points, double scale) {
+    const Pose T_fixed_cloud = pose(1.0);
+    std::vector<Vector3> cloud;
+    for (int i = 0; i < points; ++i) {
+      Vector3 p = scale * point(1.0);
+      p.tail(3 - dimensions).setZero();
+      cloud.push_back(T_fixed_cloud * p);
+    }
+    return cloud;
   }
   Vector3 direction() {
     std::normal_distribution<double> normal;

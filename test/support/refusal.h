@@ -5,20 +5,16 @@
 #include <string>
 
 #include "robot/robot_model.h"
-#include "tccm_monitor/config_error.h"
+#include "support/error_of.h"
 
 namespace tccm::test {
 
 /// What a robot is refused with, in one line; empty where it is taken.
 inline std::string refusalOf(const std::string& urdf, const RobotModel::Config& config = {},
                              const RobotResources& resources = {}) {
-  try {
-    const RobotModel model(urdf, config, resources);
-  } catch (const ConfigError& error) {
-    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
-    return error.what();
-  }
-  return {};
+  const std::string error = errorOf([&] { const RobotModel model(urdf, config, resources); });
+  EXPECT_EQ(error.find('\n'), std::string::npos) << error;
+  return error;
 }
 
 /// Whether a message has a word in it.

@@ -8,6 +8,8 @@
 namespace tccm::test {
 
 /// URDF text put together by hand. Numbers are handed over as text, so that they may be wrong.
+inline namespace urdf_text {
+
 inline std::string robotOf(const std::string& elements) {
   return "<robot name=\"tiny\">" + elements + "</robot>";
 }
@@ -42,6 +44,8 @@ inline std::string axisOf(const std::string& xyz) { return "<axis xyz=\"" + xyz 
 inline std::string limitOf(const std::string& lower, const std::string& upper) {
   return "<limit lower=\"" + lower + "\" upper=\"" + upper + "\" effort=\"1\" velocity=\"1\"/>";
 }
+
+}  // namespace urdf_text
 
 /// Two balls of 50 mm that slide along x: "hand" by the joint "slide" from -0.5 to 1.0 m, at y = 0,
 /// and "other" by the joint "glide" without such limits, at y = 0.5. Both at z = 0.5.
