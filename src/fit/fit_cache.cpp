@@ -19,7 +19,7 @@
 #include <system_error>
 #include <vector>
 
-#include "mesh/printable.h"
+#include "mesh/text.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {

@@ -9,8 +9,7 @@
 #include <set>
 #include <sstream>
 
-#include "mesh/printable.h"
-#include "mesh/token_reader.h"
+#include "mesh/text.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {

@@ -1,9 +1,10 @@
-#include <algorithm>
 #include <array>
+#include <boost/algorithm/string/predicate.hpp>
 #include <cstring>
+#include <locale>
 
 #include "mesh/mesh_formats.h"
-#include "mesh/token_reader.h"
+#include "mesh/text.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
@@ -45,9 +46,7 @@ Mesh readBinary(const std::string& content) {
 }
 
 bool isWord(std::string_view word, std::string_view keyword) {
-  return std::equal(word.begin(), word.end(), keyword.begin(), keyword.end(), [](char a, char b) {
-    return (a >= 'A' && a <= 'Z' ? static_cast<char>(a - 'A' + 'a') : a) == b;
-  });
+  return boost::algorithm::iequals(word, keyword, std::locale::classic());
 }
 
 /// One "solid name ... endsolid name" after another.

@@ -4,7 +4,7 @@
 #include <map>
 #include <sstream>
 
-#include "mesh/printable.h"
+#include "mesh/text.h"
 #include "robot/joint_tree.h"
 #include "robot/link_geometry.h"
 #include "robot/urdf_reader.h"
