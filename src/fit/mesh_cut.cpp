@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 namespace tccm {
@@ -33,26 +32,15 @@ MeshPart::MeshPart(const Mesh& mesh) : vertices_(mesh.vertices) {
 
 /// Leaves out vertices of no polygon and lists the edges.
 void MeshPart::finish() {
-  constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> renumbered(vertices_.size(), kUnused);
-  std::vector<Vector3> used;
+  vertices_ = withoutUnused(vertices_, polygons_);
   edges_.clear();
-  for (std::vector<std::uint32_t>& polygon : polygons_) {
-    for (std::uint32_t& corner : polygon) {
-      std::uint32_t& number = renumbered[corner];
-      if (number == kUnused) {
-        number = static_cast<std::uint32_t>(used.size());
-        used.push_back(vertices_[corner]);
-      }
-      corner = number;
-    }
+  for (const std::vector<std::uint32_t>& polygon : polygons_) {
     std::uint32_t before = polygon.back();
     for (const std::uint32_t corner : polygon) {
       if (corner != before) edges_.push_back({std::min(before, corner), std::max(before, corner)});
       before = corner;
     }
   }
-  vertices_ = std::move(used);
   std::sort(edges_.begin(), edges_.end());
   edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
 }
