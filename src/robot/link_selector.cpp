@@ -42,15 +42,13 @@ void LinkSelector::requireMatches(const std::vector<std::string>& wanted,
                                   const std::vector<std::string>& links,
                                   const std::string& key) const {
   for (const std::string& entry : wanted) {
-    if (!std::any_of(links.begin(), links.end(),
-                     [&](const std::string& link) { return matches({entry}, link); })) {
-      const bool known = &links != &links_ &&
-                         std::any_of(links_.begin(), links_.end(), [&](const std::string& link) {
-                           return matches({entry}, link);
-                         });
-      throw ConfigError(key + ": '" + entry + "' matches no " +
-                        (known ? "monitored link" : "link of robot_description"));
-    }
+    const auto isIn = [&](const std::vector<std::string>& list) {
+      return std::any_of(list.begin(), list.end(),
+                         [&](const std::string& link) { return matches({entry}, link); });
+    };
+    if (isIn(links)) continue;
+    throw ConfigError(key + ": '" + entry + "' matches no " +
+                      (isIn(links_) ? "monitored link" : "link of robot_description"));
   }
 }
 
