@@ -53,13 +53,13 @@ std::pair<MeshPart, MeshPart> MeshPart::cut(const Plane& plane) const {
   std::map<Edge, std::uint32_t> crossings;
   const auto crossingOf = [&](std::uint32_t a, std::uint32_t b) {
     const Edge edge{std::min(a, b), std::max(a, b)};
-    const auto known = crossings.find(edge);
-    if (known != crossings.end()) return known->second;
-    const std::uint32_t number = static_cast<std::uint32_t>(below.vertices_.size());
-    below.vertices_.push_back(crossing(vertices_[edge[0]], vertices_[edge[1]], heights[edge[0]],
-                                       heights[edge[1]], plane.height_m));
-    crossings.emplace(edge, number);
-    return number;
+    const auto next = static_cast<std::uint32_t>(below.vertices_.size());
+    const auto [known, is_new] = crossings.emplace(edge, next);
+    if (is_new) {
+      below.vertices_.push_back(crossing(vertices_[edge[0]], vertices_[edge[1]], heights[edge[0]],
+                                         heights[edge[1]], plane.height_m));
+    }
+    return known->second;
   };
   MeshPart above;
   for (const std::vector<std::uint32_t>& polygon : polygons_) {

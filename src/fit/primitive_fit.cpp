@@ -25,11 +25,8 @@ void requireSound(const Mesh& mesh, const std::string& owner) {
     }
   }
   for (const Mesh::Triangle& triangle : mesh.triangles) {
-    for (const std::uint32_t corner : triangle) {
-      if (corner >= mesh.vertices.size()) {
-        throw ConfigError(owner + ": the mesh has a triangle of a vertex that it has not");
-      }
-    }
+    if (*std::max_element(triangle.begin(), triangle.end()) < mesh.vertices.size()) continue;
+    throw ConfigError(owner + ": the mesh has a triangle of a vertex that it has not");
   }
 }
 
