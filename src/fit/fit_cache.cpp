@@ -112,13 +112,9 @@ void writeAtomically(const fs::path& path, const std::string& text) {
   throw std::system_error(why, std::generic_category());
 }
 
-fs::path pathOf(const std::string& folder, const std::string& identity) {
-  return fs::path(folder) / (identity + ".fit");
-}
-
 /// Nothing unless the file is whole, and of that fit.
-std::optional<PrimitiveFit> savedFit(const std::string& folder, const std::string& identity) {
-  const std::string saved = readSmallFile(pathOf(folder, identity));
+std::optional<PrimitiveFit> savedFit(const fs::path& path, const std::string& identity) {
+  const std::string saved = readSmallFile(path);
   const std::string text = saved.substr(saved.find('\n') + 1);
   if (saved != sealed(text, identity)) return std::nullopt;
   return fitOf(text);
@@ -133,20 +129,18 @@ PrimitiveFit FitCache::fit(const std::string& mesh_content, const std::string& k
   const std::lock_guard<std::mutex> lock(mutex_);
   const auto found = known_.find(identity);
   if (found != known_.end()) return found->second;
-  const auto saved = folder_.empty() ? std::nullopt : savedFit(folder_, identity);
+  const fs::path path = fs::path(folder_) / (identity + ".fit");
+  const auto saved = folder_.empty() ? std::nullopt : savedFit(path, identity);
   const PrimitiveFit fit = saved ? *saved : compute();
   known_.emplace(identity, fit);
-  if (!saved && !folder_.empty()) save(identity, fit);
-  return fit;
-}
-
-void FitCache::save(const std::string& identity, const PrimitiveFit& fit) {
+  if (saved || folder_.empty()) return fit;
   try {
     fs::create_directories(folder_);
-    writeAtomically(pathOf(folder_, identity), sealed(textOf(fit), identity));
+    writeAtomically(path, sealed(textOf(fit), identity));
   } catch (const std::exception& error) {
     save_problem_ = "fits cannot be saved in " + printable(folder_) + ": " + error.what();
   }
+  return fit;
 }
 
 std::string FitCache::saveProblem() const {

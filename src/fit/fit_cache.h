@@ -33,8 +33,6 @@ class FitCache {
   [[nodiscard]] std::string saveProblem() const;
 
  private:
-  void save(const std::string& identity, const PrimitiveFit& fit);
-
   const std::string folder_;
   mutable std::mutex mutex_;
   std::map<std::string, PrimitiveFit> known_;  ///< by identity
