@@ -23,17 +23,11 @@ bool isPlacedByJointStates(const urdf::Joint& joint) {
 }
 
 RobotJoint::Motion motionOf(const urdf::Joint& joint) {
-  switch (joint.type) {
-    case urdf::Joint::FIXED:
-      return RobotJoint::Motion::kFixed;
-    case urdf::Joint::REVOLUTE:
-    case urdf::Joint::CONTINUOUS:
-      return RobotJoint::Motion::kRotation;
-    case urdf::Joint::PRISMATIC:
-      return RobotJoint::Motion::kTranslation;
-    default:
-      refuse(joint, "its type is unknown");
-  }
+  if (joint.type == urdf::Joint::FIXED) return RobotJoint::Motion::kFixed;
+  if (joint.type == urdf::Joint::PRISMATIC) return RobotJoint::Motion::kTranslation;
+  const bool turns = joint.type == urdf::Joint::REVOLUTE || joint.type == urdf::Joint::CONTINUOUS;
+  if (!turns) refuse(joint, "its type is unknown");
+  return RobotJoint::Motion::kRotation;
 }
 
 JointVariable variableOf(const urdf::Joint& joint) {

@@ -1,6 +1,7 @@
 /// How a RobotModel is read: its constructor.
 
 #include <cstdio>
+#include <filesystem>
 #include <utility>
 
 #include "fit/fit_cache.h"
@@ -44,12 +45,11 @@ Shape toShape(const urdf::Geometry& geometry, bool as_capsule, const std::string
 /// All that a fit depends on, beside the file's content.
 std::string fitKey(const std::string& uri, const MeshScaling& scaling,
                    const PrimitiveFitConfig& fit) {
-  const std::size_t dot = uri.find_last_of('.');
   char text[200];
   std::snprintf(text, sizeof text, "%a %a %a %d %d %a %a ", scaling.scale.x(), scaling.scale.y(),
                 scaling.scale.z(), scaling.apply_up_axis ? 1 : 0, fit.primitives_max,
                 fit.split_gain, fit.margin_m);
-  return text + (dot == std::string::npos ? std::string() : uri.substr(dot));
+  return text + std::filesystem::path(uri).extension().string();
 }
 
 /// Reads the primitives of links: from the file of primitives, from the URDF's primitives, or by a

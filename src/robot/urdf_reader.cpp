@@ -22,6 +22,7 @@ constexpr std::size_t kSizeMax = 32U << 20U;  // bytes; a URDF has some hundred 
 constexpr std::size_t kDepthMax = 100;        // elements within elements; a URDF has ten
 constexpr std::size_t kTagMax = 64U << 10U;   // bytes of one tag with its attributes
 constexpr std::size_t kAttributesMax = 100;   // of one element; a URDF has six
+constexpr std::ptrdiff_t kQuotesMax = 1000;   // from one tag to the next, in text too
 constexpr std::size_t kPartsMax = 10'000;     // links and joints; a URDF has a hundred
 const std::string kTooDeep = "its elements are nested more than 100 deep";
 constexpr double kFurthest = 1e6;  // [m]; beyond it is a slip, and sums would end at infinity
@@ -45,19 +46,20 @@ std::size_t endOfUtf8(const std::string& text) {
   return static_cast<std::size_t>(end - text.begin());
 }
 
-/// Parsers compare each attribute of an element with all others.
+/// Parsers compare each attribute of an element with all others, and each has two quotes: these are
+/// counted from one tag to the next.
 void requireFewAttributes(const std::string& text) {
-  constexpr std::ptrdiff_t kEqualSignsMax = 1000;  // also of text behind the tag, and of comments
   for (std::size_t begin = text.find('<'); begin < text.size();) {
     const std::size_t end = std::min(text.find('<', begin + 1), text.size());
     const std::string_view tag(text.data() + begin, end - begin);
     if (std::min(tag.find('>'), tag.size()) > kTagMax) {
       refuse(lineAt(text, begin), "a tag of it is longer than 64 kB");
     }
-    if (std::count(tag.begin(), tag.end(), '=') > kEqualSignsMax) {
+    const auto isQuote = [](char c) { return c == '"' || c == '\''; };
+    if (std::count_if(tag.begin(), tag.end(), isQuote) > kQuotesMax) {
       const std::string_view name = tag.substr(1, tag.find_first_of(" \t\r\n\f\v/>") - 1);
-      refuse(lineAt(text, begin),
-             "the element <" + printable(name, 100) + "> has more than 100 attributes");
+      refuse(lineAt(text, begin), "the element <" + printable(name, 100) +
+                                      "> has more than 100 attributes, or 1000 quotes behind it");
     }
     begin = end;
   }
@@ -73,14 +75,14 @@ void requireHarmless(const XMLElement& element, std::size_t depth, std::size_t& 
   if ((name == "link" || name == "joint") && ++parts > kPartsMax) {
     refuse(line, "it has more than 10000 links and joints");
   }
-  const std::string owner = "the element <" + printable(name, 100) + "> ";
+  const std::string owner = "the element <" + printable(name, 100) + "> has ";
   std::size_t attributes = 0;
   const auto* attribute = element.FirstAttribute();
   for (; attribute != nullptr; attribute = attribute->Next()) {
-    if (++attributes > kAttributesMax) refuse(line, owner + "has more than 100 attributes");
+    if (++attributes > kAttributesMax) refuse(line, owner + "more than 100 attributes");
     const bool names_file = name == "mesh" || name == "texture";
     if (!names_file && std::string_view(attribute->Value()).find('%') != std::string_view::npos) {
-      refuse(line, owner + "has a percent sign in an attribute");
+      refuse(line, owner + "a percent sign in an attribute");
     }
   }
   const XMLElement* child = element.FirstChildElement();
