@@ -1,13 +1,9 @@
 #include "fit/convex_hull.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <limits>
-#include <memory>
-#include <tuple>
+#include <string>
 
 extern "C" {
 #include <libqhull_r/qhull_ra.h>
@@ -17,13 +13,11 @@ namespace tccm {
 namespace {
 
 constexpr double kFlat = 1e-9;  // of the extent
-constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
 
 std::vector<Vector3> different(std::vector<Vector3> points) {
-  const auto before = [](const Vector3& a, const Vector3& b) {
-    return std::make_tuple(a.x(), a.y(), a.z()) < std::make_tuple(b.x(), b.y(), b.z());
-  };
-  std::sort(points.begin(), points.end(), before);
+  std::sort(points.begin(), points.end(), [](const Vector3& a, const Vector3& b) {
+    return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
+  });
   points.erase(std::unique(points.begin(), points.end()), points.end());
   return points;
 }
@@ -49,82 +43,49 @@ bool isFlat(const std::vector<Vector3>& points) {
   return from_plane(farthest(points, from_plane)) < kFlat;
 }
 
-/// One run of Qhull, silent, and freed whatever happens.
-class Qhull {
- public:
-  /// @param coordinates outlives this; Qhull does not change it.
-  Qhull(std::vector<double>& coordinates, const char* options)
-      : silence_(std::fopen("/dev/null", "w"), &closeFile) {
-    qh_zero(&qh_, silence_.get());
-    std::string command = options;
-    const int count = static_cast<int>(coordinates.size() / 3);
-    failed_ = qh_new_qhull(&qh_, 3, count, coordinates.data(), False, command.data(), nullptr,
-                           silence_.get()) != qh_ERRnone;
-  }
+/// Qhull's state, silent, and freed whatever happens.
+struct Qhull {
+  Qhull() { qh_zero(&state, silence); }
   Qhull(const Qhull&) = delete;
   Qhull& operator=(const Qhull&) = delete;
   ~Qhull() {
     int long_blocks = 0;
     int long_bytes = 0;
-    qh_freeqhull(&qh_, !qh_ALL);
-    qh_memfreeshort(&qh_, &long_blocks, &long_bytes);
+    qh_freeqhull(&state, !qh_ALL);
+    qh_memfreeshort(&state, &long_blocks, &long_bytes);
+    if (silence != nullptr) std::fclose(silence);
   }
 
-  [[nodiscard]] bool failed() const { return failed_; }
-
-  /// Corners as numbers of points.
-  [[nodiscard]] std::vector<Mesh::Triangle> triangles() {
-    std::vector<Mesh::Triangle> triangles;
-    for (const facetT* facet = qh_.facet_list; facet && facet->next; facet = facet->next) {
-      if (qh_setsize(&qh_, facet->vertices) != 3) continue;
-      Mesh::Triangle triangle{};
-      for (int corner = 0; corner < 3; ++corner) {
-        auto* vertex = static_cast<vertexT*>(facet->vertices->e[corner].p);
-        triangle.at(static_cast<std::size_t>(corner)) =
-            static_cast<std::uint32_t>(qh_pointid(&qh_, vertex->point));
-      }
-      triangles.push_back(triangle);
-    }
-    return triangles;
-  }
-
- private:
-  static void closeFile(std::FILE* file) { std::fclose(file); }
-
-  std::unique_ptr<std::FILE, void (*)(std::FILE*)> silence_;
-  qhT qh_;
-  bool failed_ = true;
+  std::FILE* silence = std::fopen("/dev/null", "w");
+  qhT state;
 };
 
-/// None where Qhull finds no hull.
-std::vector<Mesh::Triangle> hullTriangles(const std::vector<Vector3>& points) {
-  std::vector<double> coordinates;
-  coordinates.reserve(3 * points.size());
-  for (const Vector3& p : points) coordinates.insert(coordinates.end(), p.data(), p.data() + 3);
-  // Merged faces first; joggled input gets through where their merging fails.
-  for (const char* options : {"qhull Qt Pp", "qhull QJ Pp"}) {
-    Qhull qhull(coordinates, options);
-    if (!qhull.failed()) return qhull.triangles();
+/// Corners as numbers of points.
+std::vector<Mesh::Triangle> trianglesOf(qhT& state) {
+  std::vector<Mesh::Triangle> triangles;
+  for (const facetT* facet = state.facet_list; facet && facet->next; facet = facet->next) {
+    if (qh_setsize(&state, facet->vertices) != 3) continue;
+    Mesh::Triangle triangle{};
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      auto* vertex = static_cast<vertexT*>(facet->vertices->e[corner].p);
+      triangle[corner] = static_cast<std::uint32_t>(qh_pointid(&state, vertex->point));
+    }
+    triangles.push_back(triangle);
   }
-  return {};
+  return triangles;
 }
 
-/// Leaves out the points that are no corner.
-Mesh withoutUnused(const std::vector<Vector3>& points, std::vector<Mesh::Triangle> triangles) {
-  Mesh mesh;
-  std::vector<std::uint32_t> renumbered(points.size(), kUnused);
-  for (Mesh::Triangle& triangle : triangles) {
-    for (std::uint32_t& corner : triangle) {
-      std::uint32_t& number = renumbered[corner];
-      if (number == kUnused) {
-        number = static_cast<std::uint32_t>(mesh.vertices.size());
-        mesh.vertices.push_back(points[corner]);
-      }
-      corner = number;
+/// None where Qhull finds no hull.
+std::vector<Mesh::Triangle> hullTriangles(std::vector<Vector3> points) {
+  // Merged faces first; joggled input gets through where their merging fails.
+  for (std::string command : {"qhull Qt Pp", "qhull QJ Pp"}) {
+    Qhull qhull;
+    if (qh_new_qhull(&qhull.state, 3, static_cast<int>(points.size()), points.front().data(), False,
+                     command.data(), nullptr, qhull.silence) == qh_ERRnone) {
+      return trianglesOf(qhull.state);
     }
   }
-  mesh.triangles = std::move(triangles);
-  return mesh;
+  return {};
 }
 
 /// Of a star-shaped surface about the vertices' mean, whatever the winding.
@@ -157,9 +118,9 @@ ConvexHull convexHull(const std::vector<Vector3>& points) {
   for (const Vector3& p : unique) scaled.emplace_back((p - box.center()) / extent);
   if (isFlat(scaled)) return hull;
 
-  std::vector<Mesh::Triangle> triangles = hullTriangles(scaled);
-  if (triangles.empty()) return hull;
-  hull.surface = withoutUnused(unique, std::move(triangles));
+  hull.surface.triangles = hullTriangles(std::move(scaled));
+  if (hull.surface.triangles.empty()) return hull;
+  hull.surface.vertices = withoutUnused(unique, hull.surface.triangles);
   hull.volume_m3 = enclosedVolume(hull.surface);
   return hull;
 }

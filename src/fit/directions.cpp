@@ -3,8 +3,10 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace tccm {
+
 std::vector<Vector3> hemisphereDirections(int count) {
   const double golden_angle = M_PI * (3.0 - std::sqrt(5.0));
   std::vector<Vector3> directions;
@@ -58,7 +60,7 @@ std::vector<Vector3> ExtremePoints::of(const std::vector<Vector3>& points) const
   if (static_cast<Eigen::Index>(points.size()) <= 2 * directions_.rows()) return points;
   const Eigen::Map<const Matrix3X> all(points.front().data(), 3,
                                        static_cast<Eigen::Index>(points.size()));
-  std::vector<bool> chosen(points.size(), false);
+  std::set<Eigen::Index> chosen;
   Eigen::RowVectorXd heights(all.cols());
   for (Eigen::Index i = 0; i < directions_.rows(); ++i) {
     heights.noalias() = directions_.row(i) * all;
@@ -66,13 +68,10 @@ std::vector<Vector3> ExtremePoints::of(const std::vector<Vector3>& points) const
     Eigen::Index highest = 0;
     heights.minCoeff(&lowest);
     heights.maxCoeff(&highest);
-    chosen[static_cast<std::size_t>(lowest)] = true;
-    chosen[static_cast<std::size_t>(highest)] = true;
+    chosen.insert({lowest, highest});
   }
   std::vector<Vector3> extreme;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (chosen[i]) extreme.push_back(points[i]);
-  }
+  for (const Eigen::Index i : chosen) extreme.push_back(points[static_cast<std::size_t>(i)]);
   return extreme;
 }
 

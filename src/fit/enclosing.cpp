@@ -2,15 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include "fit/convex_hull.h"
 #include "fit/directions.h"
-#include "fit/planar.h"
-#include "fit/smallest_ball.h"
+#include "fit/smallest.h"
 
 namespace tccm {
 namespace {
@@ -27,7 +24,8 @@ struct View {
   double high = -std::numeric_limits<double>::infinity();
 };
 
-View viewAlong(const std::vector<Vector3>& points, const Vector3& direction) {
+/// Without the outline.
+View projected(const std::vector<Vector3>& points, const Vector3& direction) {
   View view;
   view.axes = axesAbout(direction);
   view.across.reserve(points.size());
@@ -40,6 +38,11 @@ View viewAlong(const std::vector<Vector3>& points, const Vector3& direction) {
     view.low = std::min(view.low, q.z());
     view.high = std::max(view.high, q.z());
   }
+  return view;
+}
+
+View viewAlong(const std::vector<Vector3>& points, const Vector3& direction) {
+  View view = projected(points, direction);
   view.outline = planarHull(view.across);
   return view;
 }
@@ -49,6 +52,19 @@ PlacedShape placed(const Shape& shape, const Eigen::Matrix3d& axes, const Vector
   result.pose.linear() = axes;
   result.pose.translation() = axes * centre_in_axes;
   return result;
+}
+
+struct Candidate {
+  PlacedShape shape;
+  double volume_m3 = std::numeric_limits<double>::infinity();
+  double excess = 0.0;  ///< how much wider a capsule is than its axis asks for [radius]
+  [[nodiscard]] Vector3 axis() const { return shape.pose.linear().col(2); }
+};
+
+Candidate candidate(const PlacedShape& shape) { return {shape, volume(shape.shape)}; }
+
+void keepSmaller(Candidate& best, const Candidate& tried) {
+  if (tried.volume_m3 < best.volume_m3) best = tried;
 }
 
 double halfLength(const View& view) {
@@ -92,29 +108,17 @@ PlacedShape capsuleAbout(const View& view, const Vector2& axis, double radius) {
 
 PlacedShape capsuleIn(const View& view) {
   const Ball<2> base = smallestBall<2>(view.outline);
-  PlacedShape best;
-  double least = std::numeric_limits<double>::infinity();
+  Candidate best;
   for (const double wider : {1.0, 1.04, 1.15}) {
     const double radius = std::max(base.radius * wider, kThinnestHalf);
-    const PlacedShape capsule = capsuleAbout(view, base.centre, radius);
-    if (volume(capsule.shape) >= least) continue;
-    least = volume(capsule.shape);
-    best = capsule;
+    keepSmaller(best, candidate(capsuleAbout(view, base.centre, radius)));
   }
-  return best;
+  return best.shape;
 }
 
 using FitInView = PlacedShape (*)(const View&);
 enum Kind : std::size_t { kBox, kCylinder, kCapsule };
 constexpr std::array<FitInView, 3> kFits = {boxIn, cylinderIn, capsuleIn};  // by kind
-
-struct Candidate {
-  double volume_m3 = std::numeric_limits<double>::infinity();
-  PlacedShape shape;
-  [[nodiscard]] Vector3 axis() const { return shape.pose.linear().col(2); }
-};
-
-Candidate candidate(const PlacedShape& shape) { return {volume(shape.shape), shape}; }
 
 /// What is searched: a few points of the hull, and directions that an axis may have.
 struct Search {
@@ -172,28 +176,17 @@ Search searchAround(const std::vector<Vector3>& points) {
   addHeaviest(std::move(edges), 10, search.directions);
   const Eigen::Matrix3d principal = principalAxes(hull.vertices);
   for (int i = 0; i < 3; ++i) addIfDifferent(search.directions, principal.col(i), kLeastAngle);
-  for (const Vector3& direction : hemisphereDirections(kSpread)) {
-    search.directions.push_back(direction);
-  }
+  for (const Vector3& d : hemisphereDirections(kSpread)) search.directions.push_back(d);
   return search;
 }
 
-/// Turns the axis in ever smaller steps while that makes the shape smaller. The ring of steps is
-/// turned each time: the volume has creases, along which fixed steps get stuck.
-Candidate turned(const Search& search, FitInView fit, Candidate best, double smallest_step) {
-  constexpr int kRing = 6;
-  double ring_angle = 0.0;
+/// Moves by ever smaller steps while that makes the shape smaller.
+/// @param step_of a neighbour of a candidate, by the step's size and number
+template <typename StepOf>
+Candidate descended(Candidate best, double smallest_step, int count, const StepOf& step_of) {
   for (double step = 0.08; step > smallest_step;) {
-    const Eigen::Matrix3d axes = axesAbout(best.axis());
-    ring_angle += 0.7;
     Candidate next = best;
-    for (int i = 0; i < kRing; ++i) {
-      const double angle = ring_angle + 2.0 * M_PI * i / kRing;
-      const Vector3 aside = std::cos(angle) * axes.col(0) + std::sin(angle) * axes.col(1);
-      const Vector3 direction = (best.axis() + step * aside).normalized();
-      const Candidate tried = candidate(fit(viewAlong(search.points, direction)));
-      if (tried.volume_m3 < next.volume_m3) next = tried;
-    }
+    for (int i = 0; i < count; ++i) keepSmaller(next, step_of(best, step, i));
     if (next.volume_m3 < best.volume_m3 * (1.0 - 1e-5)) {
       best = next;
     } else {
@@ -203,6 +196,21 @@ Candidate turned(const Search& search, FitInView fit, Candidate best, double sma
   return best;
 }
 
+/// Turns the axis by steps [rad]. The ring of steps is turned each time: the volume has creases,
+/// along which fixed steps get stuck.
+Candidate turned(const Search& search, Kind kind, const Candidate& start, double smallest_step) {
+  constexpr int kRing = 6;
+  double ring_angle = 0.0;
+  return descended(start, smallest_step, kRing, [&](const Candidate& from, double step, int i) {
+    if (i == 0) ring_angle += 0.7;
+    const Eigen::Matrix3d axes = axesAbout(from.axis());
+    const double angle = ring_angle + 2.0 * M_PI * i / kRing;
+    const Vector3 aside = std::cos(angle) * axes.col(0) + std::sin(angle) * axes.col(1);
+    const Vector3 direction = (from.axis() + step * aside).normalized();
+    return candidate(kFits.at(kind)(viewAlong(search.points, direction)));
+  });
+}
+
 /// A box is exact along each of its own axes in turn.
 Candidate settled(const Search& search, Candidate best) {
   constexpr int kRoundsMax = 10;
@@ -210,8 +218,7 @@ Candidate settled(const Search& search, Candidate best) {
     Candidate next = best;
     for (int axis = 0; axis < 3; ++axis) {
       const Vector3 direction = best.shape.pose.linear().col(axis);
-      const Candidate tried = candidate(boxIn(viewAlong(search.points, direction)));
-      if (tried.volume_m3 < next.volume_m3) next = tried;
+      keepSmaller(next, candidate(boxIn(viewAlong(search.points, direction))));
     }
     if (!(next.volume_m3 < best.volume_m3 * (1.0 - 1e-9))) break;
     best = next;
@@ -219,74 +226,50 @@ Candidate settled(const Search& search, Candidate best) {
   return best;
 }
 
-/// A capsule's axis and how much wider it is than its axis asks for.
-struct CapsuleTrial {
-  Candidate capsule;
-  double excess = 0.0;  ///< [radius]
-};
-
-/// The trial turned [rad], moved aside and widened [radius] by steps.
-CapsuleTrial stepped(const std::vector<Vector3>& points, const CapsuleTrial& from,
-                     const Eigen::Matrix<double, 5, 1>& steps) {
-  const Pose& pose = from.capsule.shape.pose;
-  const double radius = std::get<Capsule>(from.capsule.shape.shape).radius;
-  View view;
-  view.axes = axesAbout((pose.linear() * Vector3(steps[0], steps[1], 1.0)).normalized());
+/// The capsule turned [rad], moved aside and widened [radius] by steps.
+Candidate stepped(const std::vector<Vector3>& points, const Candidate& from,
+                  const Eigen::Matrix<double, 5, 1>& steps) {
+  const Pose& pose = from.shape.pose;
+  const double radius = std::get<Capsule>(from.shape.shape).radius;
+  const View view =
+      projected(points, (pose.linear() * Vector3(steps[0], steps[1], 1.0)).normalized());
   const Eigen::Matrix3d to_view = view.axes.transpose();
   const Vector3 through = to_view * (pose * Vector3(radius * steps[2], radius * steps[3], 0.0));
   const Vector2 axis = through.head<2>();
   double squared = 0.0;
-  for (const Vector3& p : points) {
-    const Vector3 q = to_view * p;
-    view.across.emplace_back(q.head<2>());
-    view.along.push_back(q.z());
-    squared = std::max(squared, (view.across.back() - axis).squaredNorm());
-  }
+  for (const Vector2& p : view.across) squared = std::max(squared, (p - axis).squaredNorm());
   const double excess = std::max(0.0, from.excess + steps[4]);
   const double needed = std::max(std::sqrt(squared), kThinnestHalf);
-  return {candidate(capsuleAbout(view, axis, needed + excess * radius)), excess};
+  Candidate capsule = candidate(capsuleAbout(view, axis, needed + excess * radius));
+  capsule.excess = excess;
+  return capsule;
 }
 
-/// Moves a capsule's axis and radius in ever smaller steps while that makes it smaller.
+/// Moves a capsule's axis and radius.
 Candidate moved(const Search& search, const Candidate& start) {
-  CapsuleTrial best{start};
-  for (double step = 0.08; step > 5e-4;) {
-    CapsuleTrial next = best;
-    for (int i = 0; i < 10; ++i) {
-      Eigen::Matrix<double, 5, 1> steps = Eigen::Matrix<double, 5, 1>::Zero();
-      steps[i / 2] = i % 2 == 0 ? step : -step;
-      const CapsuleTrial tried = stepped(search.points, best, steps);
-      if (tried.capsule.volume_m3 < next.capsule.volume_m3) next = tried;
-    }
-    if (next.capsule.volume_m3 < best.capsule.volume_m3 * (1.0 - 1e-5)) {
-      best = next;
-    } else {
-      step *= 0.5;
-    }
-  }
-  return best.capsule;
+  return descended(start, 5e-4, 10, [&](const Candidate& from, double step, int i) {
+    Eigen::Matrix<double, 5, 1> steps = Eigen::Matrix<double, 5, 1>::Zero();
+    steps[i / 2] = i % 2 == 0 ? step : -step;
+    return stepped(search.points, from, steps);
+  });
 }
 
 /// The same axis for all points of the hull.
 Candidate aroundHull(const Search& search, Kind kind, const Candidate& found) {
   if (search.points.size() == search.hull.size()) return found;
-  const Candidate again = candidate(kFits.at(kind)(viewAlong(search.hull, found.axis())));
+  Candidate again = candidate(kFits.at(kind)(viewAlong(search.hull, found.axis())));
   if (kind != kCapsule) return again;
-  const CapsuleTrial same = stepped(search.hull, {found}, Eigen::Matrix<double, 5, 1>::Zero());
-  return same.capsule.volume_m3 < again.volume_m3 ? same.capsule : again;
+  const Candidate no_wider = candidate(found.shape);
+  keepSmaller(again, stepped(search.hull, no_wider, Eigen::Matrix<double, 5, 1>::Zero()));
+  return again;
 }
 
-Candidate refined(const Search& search, Kind kind, const Candidate& start) {
-  constexpr double kSmallestTurn = 5e-4;  // [rad]
-  if (kind == kCapsule) {
-    const Candidate roughly = turned(search, capsuleIn, start, 0.01);
-    return aroundHull(search, kind, moved(search, roughly));
-  }
-  if (kind == kCylinder) {
-    return aroundHull(search, kind, turned(search, cylinderIn, start, kSmallestTurn));
-  }
-  const Candidate roughly = turned(search, boxIn, settled(search, start), kSmallestTurn);
-  return aroundHull(search, kind, settled(search, roughly));
+Candidate refined(const Search& search, Kind kind, Candidate found) {
+  if (kind == kBox) found = settled(search, found);
+  found = turned(search, kind, found, kind == kCapsule ? 0.01 : 5e-4);
+  if (kind == kBox) found = settled(search, found);
+  if (kind == kCapsule) found = moved(search, found);
+  return aroundHull(search, kind, found);
 }
 
 /// The best of each kind along the search's directions, the smallest first.
@@ -307,16 +290,24 @@ std::array<std::vector<Candidate>, kFits.size()> starts(const Search& search, st
   return all;
 }
 
-PlacedShape searched(const std::vector<Vector3>& points, Kind kind) {
-  constexpr std::size_t kStarts = 5;
-  const Search search = searchAround(points);
-  const auto tries = starts(search, kStarts);
-  Candidate best;
-  for (const Candidate& start : tries.at(kind)) {
-    const Candidate tried = refined(search, kind, start);
-    if (tried.volume_m3 < best.volume_m3) best = tried;
+/// The smallest of these kinds, or best.
+/// @param count starts of a kind that are refined, unless larger than hopeless times the smallest
+Candidate searched(const Search& search, const std::vector<Kind>& kinds, std::size_t count,
+                   double hopeless, Candidate best) {
+  const auto tries = starts(search, count);
+  double least = best.volume_m3;
+  for (const auto& candidates : tries) least = std::min(least, candidates.front().volume_m3);
+  for (const Kind kind : kinds) {
+    for (const Candidate& start : tries.at(kind)) {
+      if (start.volume_m3 <= hopeless * least) keepSmaller(best, refined(search, kind, start));
+    }
   }
-  return best.shape;
+  return best;
+}
+
+PlacedShape smallestOf(Kind kind, const std::vector<Vector3>& points) {
+  constexpr double kAll = std::numeric_limits<double>::infinity();
+  return searched(searchAround(points), {kind}, 5, kAll, {}).shape;
 }
 
 }  // namespace
@@ -327,32 +318,21 @@ PlacedShape enclosingSphere(const std::vector<Vector3>& points) {
                 ball.centre);
 }
 
-PlacedShape enclosingBox(const std::vector<Vector3>& points) { return searched(points, kBox); }
+PlacedShape enclosingBox(const std::vector<Vector3>& points) { return smallestOf(kBox, points); }
 
 PlacedShape enclosingCylinder(const std::vector<Vector3>& points) {
-  return searched(points, kCylinder);
+  return smallestOf(kCylinder, points);
 }
 
 PlacedShape enclosingCapsule(const std::vector<Vector3>& points) {
-  return searched(points, kCapsule);
+  return smallestOf(kCapsule, points);
 }
 
 PlacedShape smallestEnclosing(const std::vector<Vector3>& points) {
-  constexpr double kHopeless = 1.25;  // times the smallest: refinement does not gain that much
-  constexpr std::size_t kStarts = 2;
+  constexpr double kHopeless = 1.25;  // refinement does not gain that much
   const Search search = searchAround(points);
-  Candidate best = candidate(enclosingSphere(search.hull));
-  const auto tries = starts(search, kStarts);
-  double least = best.volume_m3;
-  for (const auto& candidates : tries) least = std::min(least, candidates.front().volume_m3);
-  for (const Kind kind : {kBox, kCylinder, kCapsule}) {
-    for (const Candidate& start : tries.at(kind)) {
-      if (start.volume_m3 > kHopeless * least) continue;
-      const Candidate tried = refined(search, kind, start);
-      if (tried.volume_m3 < best.volume_m3) best = tried;
-    }
-  }
-  return best.shape;
+  const Candidate sphere = candidate(enclosingSphere(search.hull));
+  return searched(search, {kBox, kCylinder, kCapsule}, 2, kHopeless, sphere).shape;
 }
 
 double enclosingVolumeAlong(const std::vector<Vector3>& points,

@@ -11,7 +11,7 @@ namespace tccm {
 
 /// Part of every fit's identity. To be raised whenever the fitting, the reading of meshes or the
 /// form of the cache's files changes.
-constexpr int kFitCacheVersion = 1;
+constexpr int kFitCacheVersion = 2;
 
 /// Remembers fits by what they were made from: in this process, and where there is a folder, in one
 /// small file each for processes to come. What is damaged, foreign or of another version is
@@ -33,8 +33,6 @@ class FitCache {
   [[nodiscard]] std::string saveProblem() const;
 
  private:
-  void save(const std::string& identity, const PrimitiveFit& fit);
-
   const std::string folder_;
   mutable std::mutex mutex_;
   std::map<std::string, PrimitiveFit> known_;  ///< by identity

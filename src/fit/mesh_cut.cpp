@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 namespace tccm {
@@ -33,26 +32,15 @@ MeshPart::MeshPart(const Mesh& mesh) : vertices_(mesh.vertices) {
 
 /// Leaves out vertices of no polygon and lists the edges.
 void MeshPart::finish() {
-  constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> renumbered(vertices_.size(), kUnused);
-  std::vector<Vector3> used;
+  vertices_ = withoutUnused(vertices_, polygons_);
   edges_.clear();
-  for (std::vector<std::uint32_t>& polygon : polygons_) {
-    for (std::uint32_t& corner : polygon) {
-      std::uint32_t& number = renumbered[corner];
-      if (number == kUnused) {
-        number = static_cast<std::uint32_t>(used.size());
-        used.push_back(vertices_[corner]);
-      }
-      corner = number;
-    }
+  for (const std::vector<std::uint32_t>& polygon : polygons_) {
     std::uint32_t before = polygon.back();
     for (const std::uint32_t corner : polygon) {
       if (corner != before) edges_.push_back({std::min(before, corner), std::max(before, corner)});
       before = corner;
     }
   }
-  vertices_ = std::move(used);
   std::sort(edges_.begin(), edges_.end());
   edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
 }
@@ -65,13 +53,13 @@ std::pair<MeshPart, MeshPart> MeshPart::cut(const Plane& plane) const {
   std::map<Edge, std::uint32_t> crossings;
   const auto crossingOf = [&](std::uint32_t a, std::uint32_t b) {
     const Edge edge{std::min(a, b), std::max(a, b)};
-    const auto known = crossings.find(edge);
-    if (known != crossings.end()) return known->second;
-    const std::uint32_t number = static_cast<std::uint32_t>(below.vertices_.size());
-    below.vertices_.push_back(crossing(vertices_[edge[0]], vertices_[edge[1]], heights[edge[0]],
-                                       heights[edge[1]], plane.height_m));
-    crossings.emplace(edge, number);
-    return number;
+    const auto next = static_cast<std::uint32_t>(below.vertices_.size());
+    const auto [known, is_new] = crossings.emplace(edge, next);
+    if (is_new) {
+      below.vertices_.push_back(crossing(vertices_[edge[0]], vertices_[edge[1]], heights[edge[0]],
+                                         heights[edge[1]], plane.height_m));
+    }
+    return known->second;
   };
   MeshPart above;
   for (const std::vector<std::uint32_t>& polygon : polygons_) {

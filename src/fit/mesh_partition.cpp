@@ -50,16 +50,12 @@ double totalVolume(const Pieces& pieces) {
   return sum;
 }
 
-struct Range {
-  double low = kInfinity;
-  double high = -kInfinity;
-};
-
-Range rangeAlong(const Vector3& direction, const Points& points) {
-  Range range;
+/// The lowest and the highest.
+std::pair<double, double> rangeAlong(const Vector3& direction, const Points& points) {
+  std::pair<double, double> range(kInfinity, -kInfinity);
   for (const Vector3& p : points) {
-    range.low = std::min(range.low, direction.dot(p));
-    range.high = std::max(range.high, direction.dot(p));
+    range.first = std::min(range.first, direction.dot(p));
+    range.second = std::max(range.second, direction.dot(p));
   }
   return range;
 }
@@ -80,16 +76,15 @@ std::vector<double> cutHeights(const MeshPart& mesh, const Vector3& normal) {
   ledges.resize(std::min(kLedges, ledges.size()));
 
   std::vector<double> heights;
-  for (int i = 1; i < kSpreadCuts; ++i) heights.push_back(low + (high - low) * i / kSpreadCuts);
+  const auto add = [&heights, lowest = low, highest = high](double height) {
+    if (height > lowest && height < highest) heights.push_back(height);
+  };
+  for (int i = 1; i < kSpreadCuts; ++i) add(low + (high - low) * i / kSpreadCuts);
   for (const auto& ledge : ledges) {
-    heights.push_back(ledge.second - aside);
-    heights.push_back(ledge.second + 2.0 * aside);
+    add(ledge.second - aside);
+    add(ledge.second + 2.0 * aside);
   }
   std::sort(heights.begin(), heights.end());
-  const auto isOutside = [lowest = low, highest = high](double height) {
-    return !(height > lowest && height < highest);
-  };
-  heights.erase(std::remove_if(heights.begin(), heights.end(), isOutside), heights.end());
   return heights;
 }
 
@@ -111,57 +106,6 @@ struct Slices {
   std::vector<Points> points;   ///< of each, thinned
 };
 
-/// Several parallel cuts, the topmost first.
-struct ParallelCuts {
-  std::vector<Plane> planes;
-  double volume_m3 = kInfinity;
-};
-
-class Cutter {
- public:
-  explicit Cutter(const Mesh& mesh) : Cutter(MeshPart(mesh)) {}
-
-  [[nodiscard]] Pieces whole() const { return {piece(whole_)}; }
-  /// Cuts the piece in two that gains most. False where none gains.
-  bool cutFurther(Pieces& pieces) const;
-  /// Joins the two pieces that lose least by it.
-  void joinTwo(Pieces& pieces) const;
-  /// Element i: i + 1 parallel cuts that leave the smallest primitives.
-  [[nodiscard]] std::vector<ParallelCuts> parallelCuts(std::size_t cuts_max) const;
-  [[nodiscard]] Pieces cutAlong(const ParallelCuts& cuts) const;
-
- private:
-  explicit Cutter(MeshPart mesh)
-      : axes_(likelyAxes(thinned(mesh.vertices()))), whole_(std::move(mesh)) {}
-
-  [[nodiscard]] std::shared_ptr<Piece> piece(MeshPart mesh) const;
-  [[nodiscard]] double roughVolume(const Points& extreme) const;
-  [[nodiscard]] Split bestSplit(const MeshPart& mesh) const;
-  void trySplits(const MeshPart& mesh, const Vector3& normal, Split& best) const;
-  void refine(const MeshPart& mesh, Split& split) const;
-  [[nodiscard]] std::vector<std::vector<double>> runVolumes(const Slices& slices) const;
-
-  std::vector<Vector3> axes_;
-  MeshPart whole_;
-};
-
-/// At most the smallest primitive with one of the likely axes; 0 for no points.
-double Cutter::roughVolume(const Points& extreme) const {
-  constexpr double kLeastAngle = 0.05;  // [rad]
-  if (extreme.empty()) return 0.0;
-  std::vector<Vector3> axes = axes_;
-  const Eigen::Matrix3d principal = principalAxes(extreme);
-  addIfDifferent(axes, principal.col(0), kLeastAngle);
-  addIfDifferent(axes, principal.col(2), kLeastAngle);
-  return enclosingVolumeAlong(extreme, axes);
-}
-
-std::shared_ptr<Piece> Cutter::piece(MeshPart mesh) const {
-  Points extreme = thinned(mesh.vertices());
-  const double rough = roughVolume(extreme);
-  return std::make_shared<Piece>(Piece{std::move(mesh), std::move(extreme), rough, {}});
-}
-
 Slices slicesAlong(const MeshPart& mesh, const Vector3& normal) {
   Slices slices{cutHeights(mesh, normal), {}};
   for (const Points& points : mesh.slices(normal, slices.heights)) {
@@ -170,97 +114,15 @@ Slices slicesAlong(const MeshPart& mesh, const Vector3& normal) {
   return slices;
 }
 
-void Cutter::trySplits(const MeshPart& mesh, const Vector3& normal, Split& best) const {
-  const Slices slices = slicesAlong(mesh, normal);
-  std::vector<double> above(slices.points.size(), 0.0);
-  Points points;
-  for (std::size_t i = slices.points.size(); i-- > 1;) {
-    points = together(points, slices.points[i]);
-    above[i] = roughVolume(points);
-  }
-  points.clear();
-  for (std::size_t i = 0; i < slices.heights.size(); ++i) {
-    points = together(points, slices.points[i]);
-    const double both = roughVolume(points) + above[i + 1];
-    if (both < best.volume_m3) best = {{normal, slices.heights[i]}, both};
-  }
-}
-
-/// Moves the cut between the heights that were tried.
-void Cutter::refine(const MeshPart& mesh, Split& split) const {
-  const Vector3 normal = split.plane.normal;
-  const auto [low, high] = rangeAlong(normal, mesh.vertices());
-  const double spacing = (high - low) / kSpreadCuts;
-  for (double step = 0.5 * spacing; step > 0.05 * spacing; step *= 0.5) {
-    const double height = split.plane.height_m;
-    for (const double moved : {height - step, height + step}) {
-      if (!(moved > low && moved < high)) continue;
-      const std::vector<Points> sides = mesh.slices(normal, {moved});
-      const double both = roughVolume(thinned(sides[0])) + roughVolume(thinned(sides[1]));
-      if (both < split.volume_m3) split = {{normal, moved}, both};
-    }
-  }
-}
-
-Split Cutter::bestSplit(const MeshPart& mesh) const {
-  Split best;
-  for (const Vector3& normal : axes_) trySplits(mesh, normal, best);
-  if (best.volume_m3 < kInfinity) refine(mesh, best);
-  return best;
-}
-
-bool Cutter::cutFurther(Pieces& pieces) const {
-  constexpr double kLeastGain = 0.01;  // of the volume
-  double most = kLeastGain * totalVolume(pieces);
-  std::shared_ptr<Piece>* chosen = nullptr;
-  for (std::shared_ptr<Piece>& piece : pieces) {
-    if (!piece->split) piece->split = bestSplit(piece->mesh);
-    const double gain = piece->volume_m3 - piece->split->volume_m3;
-    if (gain <= most) continue;
-    most = gain;
-    chosen = &piece;
-  }
-  if (!chosen) return false;
-  auto [below, above] = (*chosen)->mesh.cut((*chosen)->split->plane);
-  *chosen = piece(std::move(below));
-  pieces.push_back(piece(std::move(above)));
-  return true;
-}
-
-void Cutter::joinTwo(Pieces& pieces) const {
-  std::size_t first = 0;
-  std::size_t second = 1;
-  double least = kInfinity;
-  for (std::size_t i = 0; i < pieces.size(); ++i) {
-    for (std::size_t j = i + 1; j < pieces.size(); ++j) {
-      const double joined = roughVolume(together(pieces[i]->extreme, pieces[j]->extreme));
-      const double loss = joined - pieces[i]->volume_m3 - pieces[j]->volume_m3;
-      if (loss >= least) continue;
-      least = loss;
-      first = i;
-      second = j;
-    }
-  }
-  pieces[first] = piece(MeshPart::joined(pieces[first]->mesh, pieces[second]->mesh));
-  pieces.erase(pieces.begin() + static_cast<std::ptrdiff_t>(second));
-}
-
-/// [i][j]: around the slices from i to before j.
-std::vector<std::vector<double>> Cutter::runVolumes(const Slices& slices) const {
-  const std::size_t count = slices.points.size();
-  std::vector<std::vector<double>> volumes(count, std::vector<double>(count + 1, 0.0));
-  for (std::size_t i = 0; i < count; ++i) {
-    Points points;
-    for (std::size_t j = i; j < count; ++j) {
-      points = together(points, slices.points[j]);
-      volumes[i][j + 1] = roughVolume(points);
-    }
-  }
-  return volumes;
-}
+/// Several parallel cuts, the topmost first.
+struct ParallelCuts {
+  std::vector<Plane> planes;
+  double volume_m3 = kInfinity;
+};
 
 /// The best cuts along one direction: with the last cut below slice i, the rest is the same
 /// question with one cut less for the slices before i.
+/// @param runs [i][j]: the volume around the slices from i to before j
 void improve(std::vector<ParallelCuts>& best, const Vector3& normal,
              const std::vector<double>& heights, const std::vector<std::vector<double>>& runs) {
   const std::size_t count = runs.size();
@@ -288,35 +150,145 @@ void improve(std::vector<ParallelCuts>& best, const Vector3& normal,
   }
 }
 
-std::vector<ParallelCuts> Cutter::parallelCuts(std::size_t cuts_max) const {
-  std::vector<ParallelCuts> best(cuts_max);
-  for (const Vector3& normal : axes_) {
-    const Slices slices = slicesAlong(whole_, normal);
-    improve(best, normal, slices.heights, runVolumes(slices));
-  }
-  return best;
-}
+class Cutter {
+ public:
+  explicit Cutter(const Mesh& mesh) : whole_(mesh), axes_(likelyAxes(thinned(whole_.vertices()))) {}
 
-Pieces Cutter::cutAlong(const ParallelCuts& cuts) const {
-  Pieces pieces;
-  MeshPart rest = whole_;
-  for (const Plane& plane : cuts.planes) {
-    auto [below, above] = rest.cut(plane);
+  [[nodiscard]] Pieces whole() const { return {piece(whole_)}; }
+
+  /// Cuts the piece in two that gains most. False where none gains.
+  bool cutFurther(Pieces& pieces) const {
+    constexpr double kLeastGain = 0.01;  // of the volume
+    double most = kLeastGain * totalVolume(pieces);
+    std::shared_ptr<Piece>* chosen = nullptr;
+    for (std::shared_ptr<Piece>& piece : pieces) {
+      if (!piece->split) piece->split = bestSplit(piece->mesh);
+      const double gain = piece->volume_m3 - piece->split->volume_m3;
+      if (gain <= most) continue;
+      most = gain;
+      chosen = &piece;
+    }
+    if (!chosen) return false;
+    auto [below, above] = (*chosen)->mesh.cut((*chosen)->split->plane);
+    *chosen = piece(std::move(below));
     pieces.push_back(piece(std::move(above)));
-    rest = std::move(below);
+    return true;
   }
-  pieces.push_back(piece(std::move(rest)));
-  return pieces;
-}
 
-MeshPartition toPartition(const Pieces& pieces) {
-  MeshPartition partition;
-  partition.rough_volume_m3 = totalVolume(pieces);
-  for (const auto& piece : pieces) {
-    if (!piece->mesh.vertices().empty()) partition.parts.push_back(piece->mesh);
+  /// Joins the two pieces that lose least by it.
+  void joinTwo(Pieces& pieces) const {
+    std::size_t first = 0;
+    std::size_t second = 1;
+    double least = kInfinity;
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      for (std::size_t j = i + 1; j < pieces.size(); ++j) {
+        const double joined = roughVolume(together(pieces[i]->extreme, pieces[j]->extreme));
+        const double loss = joined - pieces[i]->volume_m3 - pieces[j]->volume_m3;
+        if (loss >= least) continue;
+        least = loss;
+        first = i;
+        second = j;
+      }
+    }
+    pieces[first] = piece(MeshPart::joined(pieces[first]->mesh, pieces[second]->mesh));
+    pieces.erase(pieces.begin() + static_cast<std::ptrdiff_t>(second));
   }
-  return partition;
-}
+
+  /// Element i: i + 1 parallel cuts that leave the smallest primitives.
+  [[nodiscard]] std::vector<ParallelCuts> parallelCuts(std::size_t cuts_max) const {
+    std::vector<ParallelCuts> best(cuts_max);
+    for (const Vector3& normal : axes_) {
+      const Slices slices = slicesAlong(whole_, normal);
+      improve(best, normal, slices.heights, runVolumes(slices));
+    }
+    return best;
+  }
+
+  [[nodiscard]] Pieces cutAlong(const ParallelCuts& cuts) const {
+    Pieces pieces;
+    MeshPart rest = whole_;
+    for (const Plane& plane : cuts.planes) {
+      auto [below, above] = rest.cut(plane);
+      pieces.push_back(piece(std::move(above)));
+      rest = std::move(below);
+    }
+    pieces.push_back(piece(std::move(rest)));
+    return pieces;
+  }
+
+ private:
+  /// At most the smallest primitive with one of the likely axes; 0 for no points.
+  [[nodiscard]] double roughVolume(const Points& extreme) const {
+    constexpr double kLeastAngle = 0.05;  // [rad]
+    if (extreme.empty()) return 0.0;
+    std::vector<Vector3> axes = axes_;
+    const Eigen::Matrix3d principal = principalAxes(extreme);
+    addIfDifferent(axes, principal.col(0), kLeastAngle);
+    addIfDifferent(axes, principal.col(2), kLeastAngle);
+    return enclosingVolumeAlong(extreme, axes);
+  }
+
+  [[nodiscard]] std::shared_ptr<Piece> piece(MeshPart mesh) const {
+    Points extreme = thinned(mesh.vertices());
+    const double rough = roughVolume(extreme);
+    return std::make_shared<Piece>(Piece{std::move(mesh), std::move(extreme), rough, {}});
+  }
+
+  [[nodiscard]] std::vector<std::vector<double>> runVolumes(const Slices& slices) const {
+    const std::size_t count = slices.points.size();
+    std::vector<std::vector<double>> volumes(count, std::vector<double>(count + 1, 0.0));
+    for (std::size_t i = 0; i < count; ++i) {
+      Points points;
+      for (std::size_t j = i; j < count; ++j) {
+        points = together(points, slices.points[j]);
+        volumes[i][j + 1] = roughVolume(points);
+      }
+    }
+    return volumes;
+  }
+
+  [[nodiscard]] Split bestSplit(const MeshPart& mesh) const {
+    Split best;
+    for (const Vector3& normal : axes_) trySplits(mesh, normal, best);
+    if (best.volume_m3 < kInfinity) refine(mesh, best);
+    return best;
+  }
+
+  void trySplits(const MeshPart& mesh, const Vector3& normal, Split& best) const {
+    const Slices slices = slicesAlong(mesh, normal);
+    std::vector<double> above(slices.points.size(), 0.0);
+    Points points;
+    for (std::size_t i = slices.points.size(); i-- > 1;) {
+      points = together(points, slices.points[i]);
+      above[i] = roughVolume(points);
+    }
+    points.clear();
+    for (std::size_t i = 0; i < slices.heights.size(); ++i) {
+      points = together(points, slices.points[i]);
+      const double both = roughVolume(points) + above[i + 1];
+      if (both < best.volume_m3) best = {{normal, slices.heights[i]}, both};
+    }
+  }
+
+  /// Moves the cut between the heights that were tried.
+  void refine(const MeshPart& mesh, Split& split) const {
+    const Vector3 normal = split.plane.normal;
+    const auto [low, high] = rangeAlong(normal, mesh.vertices());
+    const double spacing = (high - low) / kSpreadCuts;
+    for (double step = 0.5 * spacing; step > 0.05 * spacing; step *= 0.5) {
+      const double height = split.plane.height_m;
+      for (const double moved : {height - step, height + step}) {
+        if (!(moved > low && moved < high)) continue;
+        const std::vector<Points> sides = mesh.slices(normal, {moved});
+        const double both = roughVolume(thinned(sides[0])) + roughVolume(thinned(sides[1]));
+        if (both < split.volume_m3) split = {{normal, moved}, both};
+      }
+    }
+  }
+
+  MeshPart whole_;
+  std::vector<Vector3> axes_;
+};
 
 }  // namespace
 
@@ -341,7 +313,13 @@ std::vector<MeshPartition> partitions(const Mesh& mesh, std::size_t parts_max) {
     }
   }
   std::vector<MeshPartition> result;
-  for (const auto& known : found) result.push_back(toPartition(known.second));
+  for (const auto& [count, known] : found) {
+    MeshPartition& partition = result.emplace_back();
+    partition.rough_volume_m3 = totalVolume(known);
+    for (const auto& piece : known) {
+      if (!piece->mesh.vertices().empty()) partition.parts.push_back(piece->mesh);
+    }
+  }
   return result;
 }
 

@@ -25,11 +25,8 @@ void requireSound(const Mesh& mesh, const std::string& owner) {
     }
   }
   for (const Mesh::Triangle& triangle : mesh.triangles) {
-    for (const std::uint32_t corner : triangle) {
-      if (corner >= mesh.vertices.size()) {
-        throw ConfigError(owner + ": the mesh has a triangle of a vertex that it has not");
-      }
-    }
+    if (*std::max_element(triangle.begin(), triangle.end()) < mesh.vertices.size()) continue;
+    throw ConfigError(owner + ": the mesh has a triangle of a vertex that it has not");
   }
 }
 
@@ -104,7 +101,7 @@ void PrimitiveFitConfig::describe(ParameterTable& table) {
 }
 
 void PrimitiveFitConfig::validate() const {
-  if (!(margin_m >= 0.0 && margin_m <= 0.1)) throw ConfigError("margin_m must be 0 to 0.1 m");
+  requireInRange("fit_margin_m", margin_m, 0.0, 0.1);
 }
 
 PrimitiveFit fitPrimitives(const Mesh& mesh, const PrimitiveFitConfig& config,

@@ -3,83 +3,71 @@
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
-#include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <set>
+#include <regex>
 #include <sstream>
+#include <string_view>
 
-#include "mesh/printable.h"
-#include "mesh/token_reader.h"
+#include "mesh/text.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {
 
 constexpr std::size_t kTextMax = 1U << 20U;  // bytes; a robot needs some kilobytes
-constexpr int kNestingMax = 100;
 constexpr std::size_t kPrimitivesMax = 10'000;
 constexpr double kFurthest = 1e3;      // [m]
 constexpr double kLargestAngle = 1e3;  // [rad]
+constexpr std::size_t kNone = std::string::npos;
 
 /// An element of the text, with what names it in errors.
 struct Element {
   YAML::Node node;
   std::string owner;
 
-  [[noreturn]] void refuse(const std::string& why) const {
+  [[nodiscard]] std::string line() const {
     const YAML::Mark mark = node.Mark();
-    const std::string line = mark.is_null() ? "" : " (line " + std::to_string(mark.line + 1) + ")";
-    throw ConfigError(owner + ": " + why + line);
+    return mark.is_null() ? "" : " (line " + std::to_string(mark.line + 1) + ")";
+  }
+  [[noreturn]] void refuse(const std::string& why) const {
+    throw ConfigError(owner + ": " + why + line());
   }
 };
 
 /// Older versions of yaml-cpp overflow the stack on deep nesting: it is refused beforehand. Nested
-/// blocks on one line begin with its indicators, flow style nests by brackets.
-void requireShallow(const std::string& text, const std::string& owner) {
+/// blocks on one line begin with its indicators, on several lines each is indented by one column at
+/// least; flow style nests by brackets.
+bool isNestedDeeply(const std::string& text) {
+  constexpr int kNestingMax = 100;
+  constexpr int kIndentationMax = 1000;
   int brackets = 0;
   int indicators = 0;
-  bool line_begins = true;
-  for (const char c : text) {
-    if (c == '\n') indicators = 0;
-    line_begins = c == '\n' || (line_begins && std::string(" \t-?:").find(c) != std::string::npos);
-    if (line_begins && (c == '-' || c == '?' || c == ':')) ++indicators;
-    if (c == '[' || c == '{') ++brackets;
-    if ((c == ']' || c == '}') && brackets > 0) --brackets;
-    if (brackets > kNestingMax || indicators > kNestingMax) {
-      throw ConfigError(owner + ": its lists are nested too deeply");
-    }
-  }
-}
-
-/// Indentation nests too: by one column at least.
-void requireShortIndentation(const std::string& text, const std::string& owner) {
-  constexpr int kIndentationMax = 1000;
   int column = 0;
   bool line_begins = true;
   for (const char c : text) {
-    column = c == '\n' ? 0 : column + 1;
-    line_begins = c == '\n' || (line_begins && c == ' ');
-    if (line_begins && column > kIndentationMax) {
-      throw ConfigError(owner + ": a line is indented too deeply");
-    }
+    if (c == '\n') column = indicators = 0;
+    line_begins = c == '\n' || (line_begins && std::string_view(" \t-?:").find(c) != kNone);
+    if (line_begins && c != '\n') ++column;
+    if (line_begins && (c == '-' || c == '?' || c == ':')) ++indicators;
+    if (c == '[' || c == '{') ++brackets;
+    if ((c == ']' || c == '}') && brackets > 0) --brackets;
+    if (brackets > kNestingMax || indicators > kNestingMax || column > kIndentationMax) return true;
   }
+  return false;
 }
 
 /// Follows a text's structure and keeps nothing.
 class Ignore : public YAML::EventHandler {
- public:
-  void OnDocumentStart(const YAML::Mark& /*mark*/) override {}
+  using Text = const std::string&;
+  using Style = YAML::EmitterStyle::value;
+  void OnDocumentStart(const YAML::Mark&) override {}
   void OnDocumentEnd() override {}
-  void OnNull(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
-  void OnAlias(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
-  void OnScalar(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
-                const std::string& /*value*/) override {}
-  void OnSequenceStart(const YAML::Mark& /*mark*/, const std::string& /*tag*/,
-                       YAML::anchor_t /*anchor*/, YAML::EmitterStyle::value /*style*/) override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, Text, YAML::anchor_t, Text) override {}
+  void OnSequenceStart(const YAML::Mark&, Text, YAML::anchor_t, Style) override {}
   void OnSequenceEnd() override {}
-  void OnMapStart(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
-                  YAML::EmitterStyle::value /*style*/) override {}
+  void OnMapStart(const YAML::Mark&, Text, YAML::anchor_t, Style) override {}
   void OnMapEnd() override {}
 };
 
@@ -96,10 +84,9 @@ bool isOneDocument(const std::string& text) {
 
 YAML::Node parse(const std::string& text, const std::string& owner) {
   if (text.size() > kTextMax) throw ConfigError(owner + ": it is larger than 1 MB");
-  if (text.find('\0') != std::string::npos) throw ConfigError(owner + ": it is no YAML: binary");
-  requireShallow(text, owner);
-  requireShortIndentation(text, owner);
+  if (isNestedDeeply(text)) throw ConfigError(owner + ": its lists are nested too deeply");
   try {
+    if (text.find('\0') != kNone) throw ConfigError("binary");
     if (!isOneDocument(text)) throw ConfigError("it has to be one document");
     return YAML::Load(text);
   } catch (const std::exception& error) {
@@ -151,7 +138,11 @@ class PrimitiveReader {
     if (!values_.empty()) {
       element_.refuse("the key '" + printable(values_.begin()->first) + "' is unknown");
     }
-    requireSizes(placed.shape);
+    try {
+      validate(placed.shape, element_.owner);
+    } catch (const ConfigError& error) {
+      throw ConfigError(error.what() + element_.line());
+    }
     return placed;
   }
 
@@ -163,8 +154,6 @@ class PrimitiveReader {
     values_.erase(found);
     return value;
   }
-
-  double size(const std::string& key) { return numberOf(take(key)); }
 
   Vector3 vector(const std::string& key) {
     const Element list = take(key);
@@ -187,25 +176,15 @@ class PrimitiveReader {
 
   Shape shapeOf(const std::string& name) {
     if (name == "box") return Box{0.5 * vector("size")};
-    if (name == "sphere") return Sphere{size("radius")};
+    if (name == "sphere") return Sphere{numberOf(take("radius"))};
     const bool is_capsule = name == "capsule";
     if (!is_capsule && name != "cylinder") {
       element_.refuse("the shape '" + printable(name) +
                       "' is none of box, cylinder, capsule and sphere");
     }
-    const double radius = size("radius");
-    const double half_length = 0.5 * size("length");
+    const double radius = numberOf(take("radius"));
+    const double half_length = 0.5 * numberOf(take("length"));
     return is_capsule ? Shape(Capsule{radius, half_length}) : Shape(Cylinder{radius, half_length});
-  }
-
-  void requireSizes(const Shape& shape) const {
-    try {
-      validate(shape, element_.owner);
-    } catch (const ConfigError& error) {
-      const YAML::Mark mark = element_.node.Mark();
-      throw ConfigError(std::string(error.what()) + " (line " + std::to_string(mark.line + 1) +
-                        ")");
-    }
   }
 
   Element element_;
@@ -259,24 +238,20 @@ Vector3 rpyOf(const Eigen::Matrix3d& R) {
   return {roll, pitch, yaw};
 }
 
-struct SizesText {
-  std::string operator()(const Box& box) const {
-    return "size: " + listOf(2.0 * box.half_extents, textAbove);
-  }
-  std::string operator()(const Cylinder& c) const { return along(c.radius, c.half_length); }
-  std::string operator()(const Capsule& c) const { return along(c.radius, c.half_length); }
-  std::string operator()(const Sphere& s) const { return "radius: " + textAbove(s.radius); }
-
- private:
-  static std::string along(double radius, double half_length) {
+std::string sizesText(const Shape& shape) {
+  const auto along = [](double radius, double half_length) {
     return "radius: " + textAbove(radius) + ", length: " + textAbove(2.0 * half_length);
-  }
-};
+  };
+  if (const auto* c = std::get_if<Cylinder>(&shape)) return along(c->radius, c->half_length);
+  if (const auto* c = std::get_if<Capsule>(&shape)) return along(c->radius, c->half_length);
+  if (const auto* s = std::get_if<Sphere>(&shape)) return "radius: " + textAbove(s->radius);
+  return "size: " + listOf(2.0 * std::get<Box>(shape).half_extents, textAbove);
+}
 
 std::string lineOf(const PlacedShape& placed, const std::string& owner) {
   validate(placed.shape, owner);
   if (!isRigid(placed.pose)) throw ConfigError(owner + ": a primitive's pose is not rigid");
-  std::string line = "{shape: " + name(placed.shape) + ", " + std::visit(SizesText{}, placed.shape);
+  std::string line = "{shape: " + name(placed.shape) + ", " + sizesText(placed.shape);
   const std::string none = "[0, 0, 0]";
   const std::string xyz = listOf(placed.pose.translation(), nearestText);
   const std::string rpy = listOf(rpyOf(placed.pose.linear()), nearestText);
@@ -287,28 +262,19 @@ std::string lineOf(const PlacedShape& placed, const std::string& owner) {
 
 /// Quoted unless it is a word that YAML takes for nothing else.
 std::string keyOf(const std::string& link) {
-  const bool plain = !link.empty() && link.size() < 100 &&
-                     std::isalpha(static_cast<unsigned char>(link.front())) != 0 &&
-                     std::all_of(link.begin(), link.end(), [](unsigned char c) {
-                       return c < 0x80U && (std::isalnum(c) != 0 || c == '_');
-                     });
-  static const std::set<std::string> kYamlWords{
-      "null", "Null", "NULL", "true", "True",  "TRUE",  "y",    "Y",  "yes",
-      "Yes",  "YES",  "n",    "N",    "no",    "No",    "NO",   "on", "On",
-      "ON",   "off",  "Off",  "OFF",  "false", "False", "FALSE"};
-  if (plain && kYamlWords.count(link) == 0) return link;
+  static const std::regex kPlain("(?!(null|true|false|yes|no|y|n|on|off)$)[a-z][a-z0-9_]{0,98}",
+                                 std::regex::icase);
+  if (std::regex_match(link, kPlain)) return link;
   YAML::Emitter quoted;
   quoted << YAML::DoubleQuoted << link;
   return quoted.c_str();
 }
 
 std::string asComment(const std::string& comment) {
+  std::istringstream lines(comment);
   std::string text;
-  for (std::size_t begin = 0; begin < comment.size();) {
-    const std::size_t end = std::min(comment.find('\n', begin), comment.size());
-    const std::string line = printable(comment.substr(begin, end - begin));
-    text += line.empty() ? "#\n" : "# " + line + "\n";
-    begin = end + 1;
+  for (std::string line; std::getline(lines, line);) {
+    text += line.empty() ? "#\n" : "# " + printable(line) + "\n";
   }
   return text;
 }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "geometry/pose.h"
@@ -16,5 +17,27 @@ struct Mesh {
   std::vector<Vector3> vertices;
   std::vector<Triangle> triangles;  ///< indices into vertices; their winding says nothing
 };
+
+/// The vertices that are a corner of a polygon, in the order they come there; the corners are
+/// numbered anew.
+/// @param polygons lists of indices into vertices
+template <typename Polygons>
+[[nodiscard]] std::vector<Vector3> withoutUnused(const std::vector<Vector3>& vertices,
+                                                 Polygons& polygons) {
+  constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> numbers(vertices.size(), kUnused);
+  std::vector<Vector3> used;
+  for (auto& polygon : polygons) {
+    for (std::uint32_t& corner : polygon) {
+      std::uint32_t& number = numbers[corner];
+      if (number == kUnused) {
+        number = static_cast<std::uint32_t>(used.size());
+        used.push_back(vertices[corner]);
+      }
+      corner = number;
+    }
+  }
+  return used;
+}
 
 }  // namespace tccm

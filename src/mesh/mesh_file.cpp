@@ -1,12 +1,14 @@
 #include "mesh/mesh_file.h"
 
 #include <array>
+#include <boost/algorithm/string/predicate.hpp>
+#include <boost/functional/hash.hpp>
 #include <cmath>
-#include <functional>
+#include <locale>
 #include <unordered_map>
 
 #include "mesh/mesh_formats.h"
-#include "mesh/printable.h"
+#include "mesh/text.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
@@ -14,16 +16,6 @@ namespace {
 
 constexpr double kFurthest = 1e3;  // [m]; beyond it is a slip of units
 constexpr double kLargestScale = 1e3;
-
-std::string extensionOf(const std::string& uri) {
-  const std::size_t dot = uri.find_last_of("./");
-  if (dot == std::string::npos || uri[dot] == '/') return {};
-  std::string extension = uri.substr(dot + 1);
-  for (char& c : extension) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return extension;
-}
 
 void requireScale(const Vector3& scale) {
   for (const double factor : {scale.x(), scale.y(), scale.z()}) {
@@ -37,54 +29,37 @@ void requireScale(const Vector3& scale) {
 Mesh readFile(const std::string& content, const std::string& uri, bool apply_up_axis) {
   if (content.empty()) throw ConfigError("the file is empty");
   if (content.size() > kMeshBytesMax) throw ConfigError("the file is larger than 256 MB");
-  const std::string extension = extensionOf(uri);
-  if (extension == "stl") return readStl(content);
-  if (extension == "obj") return readObj(content);
-  if (extension == "dae") return readCollada(content, apply_up_axis);
+  const auto endsWith = [&uri](const char* extension) {
+    return boost::algorithm::iends_with(uri, extension, std::locale::classic());
+  };
+  if (endsWith(".stl")) return readStl(content);
+  if (endsWith(".obj")) return readObj(content);
+  if (endsWith(".dae")) return readCollada(content, apply_up_axis);
   throw ConfigError("meshes are read from .stl, .dae and .obj files only");
 }
-
-struct HashCoordinates {
-  std::size_t operator()(const std::array<double, 3>& p) const {
-    std::size_t hash = 0;
-    for (const double value : p) hash = hash * 0x9e3779b97f4a7c15U + std::hash<double>()(value);
-    return hash ^ (hash >> 32U);
-  }
-};
-
-/// Gathers vertices, each place once.
-class VertexMerger {
- public:
-  std::uint32_t add(const Vector3& p) {
-    if (!(p.cwiseAbs().maxCoeff() <= kFurthest) || !p.allFinite()) {
-      throw ConfigError("a coordinate is not finite, or beyond 1000 m");
-    }
-    const auto next = static_cast<std::uint32_t>(vertices.size());
-    // Adding 0 makes -0 and 0 one place.
-    const auto entry =
-        index_.emplace(std::array<double, 3>{p.x() + 0.0, p.y() + 0.0, p.z() + 0.0}, next);
-    if (entry.second) {
-      if (vertices.size() == kMeshVerticesMax) throw ConfigError("it has over 2 million vertices");
-      vertices.push_back(p);
-    }
-    return entry.first->second;
-  }
-  std::vector<Vector3> vertices;
-
- private:
-  std::unordered_map<std::array<double, 3>, std::uint32_t, HashCoordinates> index_;
-};
 
 /// Scaled, each vertex once, and every vertex in a triangle.
 Mesh finished(const Mesh& raw, const Vector3& scale) {
   if (raw.vertices.empty()) throw ConfigError("it holds no geometry: there is no vertex in it");
-  VertexMerger merger;
+  using Place = std::array<double, 3>;
+  std::unordered_map<Place, std::uint32_t, boost::hash<Place>> numbers;
   std::vector<std::uint32_t> merged;
   merged.reserve(raw.vertices.size());
-  for (const Vector3& p : raw.vertices) merged.push_back(merger.add(p.cwiseProduct(scale)));
-
   Mesh mesh;
-  std::vector<bool> used(merger.vertices.size(), false);
+  for (const Vector3& unscaled : raw.vertices) {
+    const Vector3 p = unscaled.cwiseProduct(scale);
+    if (!(p.cwiseAbs().maxCoeff() <= kFurthest) || !p.allFinite()) {
+      throw ConfigError("a coordinate is not finite, or beyond 1000 m");
+    }
+    const auto next = static_cast<std::uint32_t>(mesh.vertices.size());
+    // Adding 0 makes -0 and 0 one place.
+    const auto [number, is_new] =
+        numbers.emplace(Place{p.x() + 0.0, p.y() + 0.0, p.z() + 0.0}, next);
+    if (is_new && next == kMeshVerticesMax) throw ConfigError("it has over 2 million vertices");
+    if (is_new) mesh.vertices.push_back(p);
+    merged.push_back(number->second);
+  }
+  std::vector<bool> used(mesh.vertices.size(), false);
   mesh.triangles.reserve(raw.triangles.size());
   for (const Mesh::Triangle& t : raw.triangles) {
     mesh.triangles.push_back({merged[t[0]], merged[t[1]], merged[t[2]]});
@@ -93,7 +68,6 @@ Mesh finished(const Mesh& raw, const Vector3& scale) {
   for (std::uint32_t i = 0; i < used.size(); ++i) {
     if (!used[i]) mesh.triangles.push_back({i, i, i});
   }
-  mesh.vertices = std::move(merger.vertices);
   return mesh;
 }
 

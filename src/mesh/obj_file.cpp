@@ -1,8 +1,7 @@
 #include <sstream>
 
 #include "mesh/mesh_formats.h"
-#include "mesh/printable.h"
-#include "mesh/token_reader.h"
+#include "mesh/text.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
@@ -25,8 +24,7 @@ std::uint32_t cornerOf(std::string_view word, std::size_t vertices) {
                              : *number > 0           ? *number - 1
                                                      : count + *number;
   if (index < 0 || index >= count) {
-    throw ConfigError("a face names vertex '" + printable(std::string(word)) + "' of " +
-                      std::to_string(count));
+    throw ConfigError("a face names vertex '" + printable(word) + "' of " + std::to_string(count));
   }
   return static_cast<std::uint32_t>(index);
 }

@@ -1,9 +1,10 @@
-#include <algorithm>
 #include <array>
+#include <boost/algorithm/string/predicate.hpp>
 #include <cstring>
+#include <locale>
 
 #include "mesh/mesh_formats.h"
-#include "mesh/token_reader.h"
+#include "mesh/text.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
@@ -45,58 +46,44 @@ Mesh readBinary(const std::string& content) {
 }
 
 bool isWord(std::string_view word, std::string_view keyword) {
-  return std::equal(word.begin(), word.end(), keyword.begin(), keyword.end(), [](char a, char b) {
-    return (a >= 'A' && a <= 'Z' ? static_cast<char>(a - 'A' + 'a') : a) == b;
-  });
+  return boost::algorithm::iequals(word, keyword, std::locale::classic());
+}
+
+void expect(TokenReader& words, std::string_view keyword) {
+  if (isWord(words.next(), keyword)) return;
+  throw ConfigError("it is cut off or damaged: '" + std::string(keyword) +
+                    "' is missing before byte " + std::to_string(words.position()));
+}
+
+void readFacet(TokenReader& words, Mesh& mesh) {
+  expect(words, "facet");
+  // "normal" and three numbers, which many programs leave out or wrong.
+  for (int word = 0; word < 4 && !isWord(words.peek(), "outer"); ++word) words.next();
+  expect(words, "outer");
+  expect(words, "loop");
+  std::vector<std::uint32_t> corners;
+  while (isWord(words.peek(), "vertex")) {
+    expect(words, "vertex");
+    corners.push_back(static_cast<std::uint32_t>(mesh.vertices.size()));
+    Vector3& p = mesh.vertices.emplace_back();
+    for (int i = 0; i < 3; ++i) p[i] = readNumber(words, "a vertex");
+  }
+  expect(words, "endloop");
+  expect(words, "endfacet");
+  addFace(corners, mesh);
 }
 
 /// One "solid name ... endsolid name" after another.
-class AsciiReader {
- public:
-  explicit AsciiReader(const std::string& content) : words_(content) {}
-
-  Mesh read() {
-    while (!words_.peek().empty()) {
-      expect("solid");
-      words_.skipLine();
-      while (isWord(words_.peek(), "facet")) readFacet();
-      expect("endsolid");
-      words_.skipLine();
-    }
-    return std::move(mesh_);
+Mesh readAscii(const std::string& content) {
+  Mesh mesh;
+  for (TokenReader words(content); !words.peek().empty(); words.skipLine()) {
+    expect(words, "solid");
+    words.skipLine();
+    while (isWord(words.peek(), "facet")) readFacet(words, mesh);
+    expect(words, "endsolid");
   }
-
- private:
-  void expect(std::string_view keyword) {
-    if (!isWord(words_.next(), keyword)) {
-      throw ConfigError("it is cut off or damaged: '" + std::string(keyword) +
-                        "' is missing before byte " + std::to_string(words_.position()));
-    }
-  }
-
-  void readFacet() {
-    expect("facet");
-    // "normal" and three numbers, which many programs leave out or wrong.
-    for (int word = 0; word < 4 && !isWord(words_.peek(), "outer"); ++word) words_.next();
-    expect("outer");
-    expect("loop");
-    std::vector<std::uint32_t> corners;
-    while (isWord(words_.peek(), "vertex")) {
-      expect("vertex");
-      const double x = readNumber(words_, "a vertex");
-      const double y = readNumber(words_, "a vertex");
-      const double z = readNumber(words_, "a vertex");
-      corners.push_back(static_cast<std::uint32_t>(mesh_.vertices.size()));
-      mesh_.vertices.emplace_back(x, y, z);
-    }
-    expect("endloop");
-    expect("endfacet");
-    addFace(corners, mesh_);
-  }
-
-  TokenReader words_;
-  Mesh mesh_;
-};
+  return mesh;
+}
 
 }  // namespace
 
@@ -104,7 +91,7 @@ Mesh readStl(const std::string& content) {
   // Many programs begin binary files with "solid" too: a size that fits tells them apart.
   if (statedSize(content) == content.size()) return readBinary(content);
   const bool is_text = content.find('\0') == std::string::npos;
-  if (is_text && isWord(TokenReader(content).peek(), "solid")) return AsciiReader(content).read();
+  if (is_text && isWord(TokenReader(content).peek(), "solid")) return readAscii(content);
   throw ConfigError("it is no STL file, or cut off: it has " + std::to_string(content.size()) +
                     " bytes where a binary one of its header would have " +
                     std::to_string(statedSize(content)));

@@ -13,18 +13,21 @@ namespace {
 constexpr double kMultiplierMax = 1e6;   // of a mimic joint; beyond it is a slip
 constexpr std::size_t kMimicsMax = 100;  // one after the other
 
+[[noreturn]] void refuse(const urdf::Joint& joint, const std::string& why) {
+  throw ConfigError("joint '" + joint.name + "': " + why);
+}
+
+/// Whether joint states say where the joint's child is; not so for floating and planar joints.
+bool isPlacedByJointStates(const urdf::Joint& joint) {
+  return joint.type != urdf::Joint::FLOATING && joint.type != urdf::Joint::PLANAR;
+}
+
 RobotJoint::Motion motionOf(const urdf::Joint& joint) {
-  switch (joint.type) {
-    case urdf::Joint::FIXED:
-      return RobotJoint::Motion::kFixed;
-    case urdf::Joint::REVOLUTE:
-    case urdf::Joint::CONTINUOUS:
-      return RobotJoint::Motion::kRotation;
-    case urdf::Joint::PRISMATIC:
-      return RobotJoint::Motion::kTranslation;
-    default:
-      throw ConfigError("joint '" + joint.name + "': its type is unknown");
-  }
+  if (joint.type == urdf::Joint::FIXED) return RobotJoint::Motion::kFixed;
+  if (joint.type == urdf::Joint::PRISMATIC) return RobotJoint::Motion::kTranslation;
+  const bool turns = joint.type == urdf::Joint::REVOLUTE || joint.type == urdf::Joint::CONTINUOUS;
+  if (!turns) refuse(joint, "its type is unknown");
+  return RobotJoint::Motion::kRotation;
 }
 
 JointVariable variableOf(const urdf::Joint& joint) {
@@ -35,7 +38,7 @@ JointVariable variableOf(const urdf::Joint& joint) {
     variable.lower = joint.limits->lower;
     variable.upper = joint.limits->upper;
     if (!(*variable.lower <= *variable.upper)) {
-      throw ConfigError("joint '" + joint.name + "': its lower limit is above its upper limit");
+      refuse(joint, "its lower limit is above its upper limit");
     }
   }
   return variable;
@@ -54,21 +57,18 @@ Drive driveOf(const urdf::ModelInterface& urdf, const urdf::JointConstSharedPtr&
     const urdf::JointMimic& mimic = *drive.joint->mimic;
     const auto source = urdf.getJoint(mimic.joint_name);
     if (!source || hops == kMimicsMax) {
-      throw ConfigError("joint '" + joint->name + "': it mimics '" + mimic.joint_name +
-                        "', which leads to no joint that moves by itself within 100 mimics");
+      refuse(*joint, "it mimics '" + mimic.joint_name +
+                         "', which leads to no joint that moves by itself within 100 mimics");
     }
     drive.offset += drive.multiplier * mimic.offset;
     drive.multiplier *= mimic.multiplier;
     drive.joint = source;
   }
   if (!(std::abs(drive.multiplier) <= kMultiplierMax && std::abs(drive.offset) <= kMultiplierMax)) {
-    throw ConfigError("joint '" + joint->name +
-                      "': the multiplier or offset of its mimic is out "
-                      "of all range");
+    refuse(*joint, "the multiplier or offset of its mimic is out of all range");
   }
   if (!isPlacedByJointStates(*drive.joint) || drive.joint->type == urdf::Joint::FIXED) {
-    throw ConfigError("joint '" + joint->name + "': it mimics '" + drive.joint->name +
-                      "', which has no position of its own");
+    refuse(*joint, "it mimics '" + drive.joint->name + "', which has no position of its own");
   }
   return drive;
 }
@@ -138,7 +138,7 @@ class Builder {
     joint.axis << urdf_joint->axis.x, urdf_joint->axis.y, urdf_joint->axis.z;
     const double length = joint.axis.norm();
     if (!(length > 1e-6 && std::isfinite(length))) {
-      throw ConfigError("joint '" + joint.name + "': its axis has no direction");
+      refuse(*urdf_joint, "its axis has no direction");
     }
     joint.axis /= length;
     const Drive drive = driveOf(urdf_, urdf_joint);
@@ -175,10 +175,6 @@ class Builder {
 };
 
 }  // namespace
-
-bool isPlacedByJointStates(const urdf::Joint& joint) {
-  return joint.type != urdf::Joint::FLOATING && joint.type != urdf::Joint::PLANAR;
-}
 
 JointTree buildJointTree(const urdf::ModelInterface& urdf,
                          const std::vector<std::string>& monitored,

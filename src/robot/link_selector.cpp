@@ -7,16 +7,6 @@
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
-namespace {
-
-bool matchesAny(const std::vector<std::string>& patterns, const std::string& link) {
-  return std::any_of(patterns.begin(), patterns.end(), [&](const std::string& pattern) {
-    return fnmatch(pattern.c_str(), link.c_str(), 0) == 0;
-  });
-}
-
-}  // namespace
-
 LinkSelector::LinkSelector(const Groups& groups, std::vector<std::string> links)
     : links_(std::move(links)) {
   for (const auto& [group, members] : groups) {
@@ -31,10 +21,13 @@ LinkSelector::LinkSelector(const Groups& groups, std::vector<std::string> links)
 }
 
 bool LinkSelector::matches(const std::vector<std::string>& wanted, const std::string& link) const {
+  const auto fits = [&](const std::string& pattern) {
+    return fnmatch(pattern.c_str(), link.c_str(), 0) == 0;
+  };
   return std::any_of(wanted.begin(), wanted.end(), [&](const std::string& entry) {
     const auto group = groups_.find(entry);
-    return matchesAny(group != groups_.end() ? group->second : std::vector<std::string>{entry},
-                      link);
+    if (group == groups_.end()) return fits(entry);
+    return std::any_of(group->second.begin(), group->second.end(), fits);
   });
 }
 
@@ -42,15 +35,13 @@ void LinkSelector::requireMatches(const std::vector<std::string>& wanted,
                                   const std::vector<std::string>& links,
                                   const std::string& key) const {
   for (const std::string& entry : wanted) {
-    if (!std::any_of(links.begin(), links.end(),
-                     [&](const std::string& link) { return matches({entry}, link); })) {
-      const bool known = &links != &links_ &&
-                         std::any_of(links_.begin(), links_.end(), [&](const std::string& link) {
-                           return matches({entry}, link);
-                         });
-      throw ConfigError(key + ": '" + entry + "' matches no " +
-                        (known ? "monitored link" : "link of robot_description"));
-    }
+    const auto isIn = [&](const std::vector<std::string>& list) {
+      return std::any_of(list.begin(), list.end(),
+                         [&](const std::string& link) { return matches({entry}, link); });
+    };
+    if (isIn(links)) continue;
+    throw ConfigError(key + ": '" + entry + "' matches no " +
+                      (isIn(links_) ? "monitored link" : "link of robot_description"));
   }
 }
 

@@ -63,6 +63,15 @@ struct JointVariable {
   std::optional<double> upper;
 };
 
+/// The links that are monitored, and those on the way to them from the next link that transforms
+/// place.
+struct JointTree {
+  std::vector<std::string> links;  ///< parents first
+  std::vector<std::size_t> roots;
+  std::vector<RobotJoint> joints;  ///< in the order of their child links
+  std::vector<JointVariable> variables;
+};
+
 /// What the robot holds: it moves with a link.
 struct AttachedObject {
   std::string name;
@@ -114,13 +123,13 @@ class RobotModel {
 
   [[nodiscard]] const std::string& name() const { return name_; }
   /// Parents come before their children.
-  [[nodiscard]] const std::vector<std::string>& links() const { return links_; }
+  [[nodiscard]] const std::vector<std::string>& links() const { return tree_.links; }
   /// Indices of the links that transforms have to place; the robot's own root alone, unless there
   /// are floating or planar joints.
-  [[nodiscard]] const std::vector<std::size_t>& roots() const { return roots_; }
+  [[nodiscard]] const std::vector<std::size_t>& roots() const { return tree_.roots; }
   [[nodiscard]] std::vector<std::string> rootLinks() const;
-  [[nodiscard]] const std::vector<RobotJoint>& joints() const { return joints_; }
-  [[nodiscard]] const std::vector<JointVariable>& variables() const { return variables_; }
+  [[nodiscard]] const std::vector<RobotJoint>& joints() const { return tree_.joints; }
+  [[nodiscard]] const std::vector<JointVariable>& variables() const { return tree_.variables; }
   /// Whether a variable is the same after a whole turn: a rotation without limits.
   [[nodiscard]] bool turnsFreely(std::size_t variable) const;
   /// Whether the URDF has a joint of that name, also where it moves no monitored link.
@@ -131,7 +140,7 @@ class RobotModel {
   [[nodiscard]] const std::map<std::string, double>& fixedJoints() const { return fixed_joints_; }
   [[nodiscard]] const std::vector<LinkShape>& shapes() const { return shapes_; }
   [[nodiscard]] const std::string& linkOf(std::size_t shape) const {
-    return links_[shapes_[shape].link];
+    return tree_.links[shapes_[shape].link];
   }
   [[nodiscard]] const std::vector<LinkElement>& elements() const { return elements_; }
   /// Links of the URDF that have no shape and are not watched therefore.
@@ -152,10 +161,7 @@ class RobotModel {
  private:
   std::string name_;
   std::shared_ptr<const LinkSelector> selector_;
-  std::vector<std::string> links_;
-  std::vector<std::size_t> roots_;
-  std::vector<RobotJoint> joints_;
-  std::vector<JointVariable> variables_;
+  JointTree tree_;
   std::vector<LinkShape> shapes_;
   std::vector<LinkElement> elements_;
   std::vector<std::string> links_without_shape_;

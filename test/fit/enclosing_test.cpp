@@ -6,8 +6,7 @@
 #include <limits>
 
 #include "fit/directions.h"
-#include "fit/planar.h"
-#include "fit/smallest_ball.h"
+#include "fit/smallest.h"
 #include "support/random.h"
 
 namespace tccm {

@@ -106,6 +106,21 @@ TEST(RobotTreeTest, ACircleOfLinksIsRefused) {
   EXPECT_NE(refusalOf(robotOf(ballLink("a") + jointOf("aa", "fixed", "a", "a"))), "");
 }
 
+TEST(RobotTreeTest, NamesKeepWhatXmlEscapesAndCommentsMayHoldWhatTheyLike) {
+  const RobotModel model(robotOf("<!-- " + std::string(5000, '=') + "<a b='c' -->" +
+                                 ballLink("a&lt;b&amp;amp;&quot;&apos;&gt;&#x42; \xc3\xa9")),
+                         {});
+  EXPECT_EQ(model.links(), Links{"a<b&amp;\"'>B \xc3\xa9"});
+}
+
+TEST(RobotTreeTest, WhatIsNoXmlIsRefusedNamingTheLine) {
+  for (const std::string wrong : {"<link name=a/>", "<link name='a' name='b'/>", "<link></joint>",
+                                  "<link", "<!-- ", "<link name='a'>\xe9</link>"}) {
+    const std::string message = refusalOf("<robot name=\"x\">\n" + ballLink("a") + "\n" + wrong);
+    EXPECT_TRUE(names(message, "line 3") || names(message, "UTF-8")) << wrong << ": " << message;
+  }
+}
+
 TEST(RobotTreeTest, WhatTheParserFindsWrongIsNamed) {
   EXPECT_TRUE(names(
       refusalOf(robotOf(ballLink("a") + ballLink("b") + jointOf("ab", "ball", "a", "b"))), "ab"));

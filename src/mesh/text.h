@@ -6,13 +6,18 @@
 #include <string>
 #include <string_view>
 
+/// Text of files that others wrote: its words and numbers, and how errors quote it.
 namespace tccm {
+
+/// Text from a file or a URI, made fit for an error's one line: control characters become spaces,
+/// and what is too long is cut.
+[[nodiscard]] std::string printable(std::string_view text, std::size_t longest = 300);
 
 /// Walks through a text's words, which white space parts. Numbers are read alike in every locale.
 /// The text has to outlive the reader.
 class TokenReader {
  public:
-  explicit TokenReader(const std::string& text) : text_(text) {}
+  explicit TokenReader(std::string_view text) : text_(text) {}
 
   /// The next word; empty at the end.
   std::string_view next();
@@ -22,14 +27,14 @@ class TokenReader {
   [[nodiscard]] std::size_t position() const { return position_; }
 
  private:
-  const std::string& text_;
+  std::string_view text_;
   std::size_t position_ = 0;
 };
 
 /// Nothing unless the whole word is a number; NaN and infinity are numbers.
 [[nodiscard]] std::optional<double> toNumber(std::string_view word);
 /// Nothing unless the whole word is an integer of 32 bits.
-[[nodiscard]] std::optional<std::int64_t> toInteger(std::string_view word);
+[[nodiscard]] std::optional<std::int32_t> toInteger(std::string_view word);
 
 /// @throws ConfigError naming what the next word should have been.
 [[nodiscard]] double readNumber(TokenReader& words, const std::string& what);
