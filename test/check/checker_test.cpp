@@ -337,6 +337,30 @@ TEST_F(CheckerTest, NumbersThatAreNoneAgeLikeSilence) {
   EXPECT_EQ(reasonAt(kStart + 0.3), Reason::kNoJoints);
 }
 
+/// Sensors look everywhere with each scan, so that the braking alone limits the speed.
+TEST_F(CheckerTest, TheGovernedSpeedFollowsABrakingThatIsTunedWhileItRuns) {
+  config_.governed_speed.appear_distance_m = 0.15;
+  remake();
+  clear_.look_period = fromSeconds(0.1);
+  double now = kStart, slide = 0.0;
+  const auto governedScale = [&] {
+    constexpr double kSpeed = 0.5;
+    for (int i = 0; i < 20; ++i, now += 0.025, slide += 0.025 * kSpeed) {
+      feedAndCheck(now, clear_, slide, kSpeed);
+    }
+    return checker_->check(at(now - 0.025)).governed_scale;
+  };
+  run(kStart, kStart + 0.5, clear_);
+  now = kStart + 0.525;
+  const double braking_well = governedScale();
+  config_.braking.deceleration_mps2 = 0.5;
+  config_.braking.reaction_time_s = 0.2;
+  checker_->reconfigure(config_);
+  const double braking_badly = governedScale();
+  EXPECT_LT(braking_badly, 0.7 * braking_well);
+  EXPECT_GT(braking_badly, 0.0);
+}
+
 TEST(CheckerConfigTest, ValuesOutOfRangeAreRefused) {
   const auto refused = [](auto part, auto member, double value) {
     Checker::Config config;
