@@ -22,7 +22,16 @@ class DiagnosedNodelet : public nodelet::Nodelet {
   /// Twice a second.
   virtual void nowAndThen() {}
 
-  [[nodiscard]] diagnostic_updater::Updater& diagnostics() { return *diagnostics_; }
+  /// @pre the configuration was read: what refuses to start must not have advertised anything.
+  [[nodiscard]] diagnostic_updater::Updater& diagnostics() {
+    if (!diagnostics_) {
+      diagnostics_ = std::make_unique<diagnostic_updater::Updater>(
+          getNodeHandle(), getPrivateNodeHandle(), getName());
+      diagnostics_->setHardwareID("none");
+      diagnostics_->add(what_, this, &DiagnosedNodelet::diagnose);
+    }
+    return *diagnostics_;
+  }
   /// By wall time, also where simulated time stands still.
   template <typename Callback>
   ros::WallTimer timer(double period_s, Callback callback) {
@@ -33,10 +42,6 @@ class DiagnosedNodelet : public nodelet::Nodelet {
  private:
   void onInit() final {
     try {
-      diagnostics_ = std::make_unique<diagnostic_updater::Updater>(
-          getNodeHandle(), getPrivateNodeHandle(), getName());
-      diagnostics_->setHardwareID("none");
-      diagnostics_->add(what_, this, &DiagnosedNodelet::diagnose);
       setUp();
     } catch (const std::exception& error) {
       ROS_FATAL("%s refuses to start: %s", getName().c_str(), error.what());
@@ -44,7 +49,7 @@ class DiagnosedNodelet : public nodelet::Nodelet {
     }
     diagnostics_timer_ = timer(0.5, [this] {
       nowAndThen();
-      diagnostics_->update();
+      diagnostics().update();
     });
   }
 
