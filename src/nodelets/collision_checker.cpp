@@ -297,6 +297,7 @@ void CollisionChecker::publishPictures() {
 
 void CollisionChecker::publishCheckedMap() {
   if (checked_map_publisher_.getNumSubscribers() == 0 || !map_message_ || !verdict_->placed) return;
+  if (map_message_->serial != verdict_->serial) return;  // its cuboids are numbered otherwise
   tccm_monitor::CuboidMap map = *map_message_;
   for (const PoseFindings* found : {&verdict_->ahead, &verdict_->now}) {
     for (const std::uint32_t cuboid : found->occluding_cuboids) {

@@ -16,7 +16,8 @@ class DiagnosedNodelet : public nodelet::Nodelet {
   explicit DiagnosedNodelet(std::string what) : what_(std::move(what)) {}
 
   /// What it throws is logged as one line and thrown on, so that the nodelet manager does not load
-  /// the nodelet and lives on.
+  /// the nodelet and lives on. Whatever may be refused comes before the first topic or service: the
+  /// manager deletes the queues of callbacks before the nodelet, whose publishers would use them.
   virtual void setUp() = 0;
   virtual void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) = 0;
   /// Twice a second.
