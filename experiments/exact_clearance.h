@@ -1,6 +1,6 @@
 #pragma once
 
-#include "geometry/shape.h"
+#include "tccm_monitor/shape.h"
 
 namespace tccm::simulation {
 

@@ -12,7 +12,7 @@
 
 #include "experiments/parallel.h"
 #include "monitor_config.h"
-#include "robot/robot_model.h"
+#include "tccm_monitor/robot_model.h"
 #include "tools/program.h"
 
 namespace tccm::simulation {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "geometry/ray.h"
-#include "scan/laser_scan.h"
 #include "simulation/simulator.h"
+#include "tccm_monitor/laser_scan.h"
 
 namespace tccm::simulation {
 

@@ -5,8 +5,8 @@
 #include <deque>
 #include <vector>
 
-#include "map/cuboid_map.h"
 #include "simulation/scanner.h"
+#include "tccm_monitor/cuboid_map.h"
 
 namespace tccm::simulation {
 

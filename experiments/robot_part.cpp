@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "robot/link_use.h"
+
 namespace tccm::simulation {
 namespace {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "robot/robot_model.h"
 #include "simulation/clearance.h"
+#include "tccm_monitor/robot_model.h"
 
 namespace tccm::simulation {
 

@@ -9,8 +9,8 @@
 
 #include "experiments/outcome.h"
 #include "experiments/robot_part.h"
-#include "map/grid.h"
 #include "simulation/monitored_simulation.h"
+#include "tccm_monitor/cuboid_map.h"
 
 namespace tccm::simulation {
 

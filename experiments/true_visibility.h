@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "geometry/shape.h"
 #include "simulation/motion.h"
+#include "tccm_monitor/shape.h"
 
 namespace tccm::simulation {
 

@@ -7,9 +7,9 @@
 
 #include "check/pose_check.h"
 #include "experiments/true_visibility.h"
-#include "robot/robot_model.h"
 #include "simulation/arm_path.h"
 #include "simulation/world.h"
+#include "tccm_monitor/robot_model.h"
 
 namespace tccm::simulation {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "robot/kinematics.h"
-#include "robot/robot_model.h"
+#include "tccm_monitor/robot_model.h"
 
 namespace tccm::simulation {
 

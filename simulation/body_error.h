@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "geometry/shape.h"
-#include "robot/robot_model.h"
+#include "tccm_monitor/robot_model.h"
+#include "tccm_monitor/shape.h"
 
 namespace tccm::simulation {
 

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "geometry/shape.h"
 #include "simulation/world.h"
+#include "tccm_monitor/shape.h"
 
 namespace tccm::simulation {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "robot/robot_model.h"
+#include "tccm_monitor/robot_model.h"
 #include "tccm_monitor/time.h"
 
 namespace tccm::simulation {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "monitor.h"
+#include "monitor_config.h"
 #include "simulation/guardian.h"
 #include "simulation/simulator.h"
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "robot/kinematics.h"
-#include "robot/robot_model.h"
 #include "simulation/world.h"
+#include "tccm_monitor/robot_model.h"
 
 namespace tccm::simulation {
 

@@ -6,10 +6,10 @@
 #include <random>
 #include <vector>
 
-#include "geometry/pose.h"
 #include "geometry/ray.h"
-#include "geometry/shape.h"
-#include "scan/laser_scan.h"
+#include "tccm_monitor/laser_scan.h"
+#include "tccm_monitor/pose.h"
+#include "tccm_monitor/shape.h"
 
 namespace tccm::simulation {
 

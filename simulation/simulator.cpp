@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "robot/link_use.h"
 #include "simulation/robot/dual_arm.h"
 #include "simulation/wander.h"
 #include "tccm_monitor/config_error.h"

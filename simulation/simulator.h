@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "robot/kinematics.h"
-#include "robot/robot_model.h"
 #include "simulation/arm_path.h"
 #include "simulation/body_error.h"
 #include "simulation/clearance.h"
@@ -17,6 +16,7 @@
 #include "simulation/scanning_head.h"
 #include "simulation/truth.h"
 #include "simulation/world.h"
+#include "tccm_monitor/robot_model.h"
 
 namespace tccm::simulation {
 

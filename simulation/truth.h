@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "geometry/pose.h"
+#include "tccm_monitor/pose.h"
 #include "tccm_monitor/time.h"
 
 namespace tccm::simulation {

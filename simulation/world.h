@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "geometry/shape.h"
+#include "tccm_monitor/shape.h"
 #include "tccm_monitor/time.h"
 
 namespace tccm::simulation {

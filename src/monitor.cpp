@@ -1,48 +1,88 @@
-#include "monitor.h"
+#include "tccm_monitor/monitor.h"
+
+#include <array>
 
 #include "base/stopwatch.h"
-#include "tccm_monitor/config_error.h"
+#include "map/place_ages.h"
+#include "monitor_config.h"
 
 namespace tccm {
 
+struct Monitor::Parts {
+  Parts(const Config& config, std::shared_ptr<const RobotModel> model)
+      : scan(config.scan, model), mapper(config.mapper), ages(mapper.map()) {
+    if (model) checker = std::make_unique<Checker>(std::move(model), config.checker);
+  }
+
+  /// A snapshot for the checker, which may hold the one before.
+  void publishMap(Time now) {
+    newest = 1 - newest;
+    if (!maps[newest]) {
+      maps[newest] = std::make_shared<CuboidMap>();
+      mapper.reserve(*maps[newest]);
+    }
+    mapper.snapshot(*maps[newest]);
+    ages.apply(mapper.map(), *maps[newest]);
+    if (checker) checker->setMap(now, maps[newest]);
+  }
+
+  ScanStage scan;
+  Mapper mapper;
+  PlaceAges ages;
+  std::unique_ptr<Checker> checker;
+  ScanReturns returns;
+  std::array<std::shared_ptr<CuboidMap>, 2> maps;  ///< the checker holds one while the other fills
+  std::size_t newest = 0;
+};
+
 Monitor::Monitor(const Config& config, std::shared_ptr<const RobotModel> model)
-    : scan_(config.scan, model), mapper_(config.mapper), ages_(mapper_.map()) {
-  if (model) checker_ = std::make_unique<Checker>(std::move(model), config.checker);
-}
+    : parts_(std::make_unique<Parts>(config, std::move(model))) {}
+Monitor::Monitor(Monitor&& other) noexcept = default;
+Monitor::~Monitor() = default;
+
+bool Monitor::hasRobot() const { return parts_->checker != nullptr; }
+Checker& Monitor::checker() { return *parts_->checker; }
+const Checker& Monitor::checker() const { return *parts_->checker; }
+const CuboidMap* Monitor::map() const { return parts_->maps[parts_->newest].get(); }
+const BodySampler* Monitor::body() const { return parts_->scan.body(); }
+const Mapper& Monitor::mapper() const { return parts_->mapper; }
+const AssembledScan& Monitor::assembled() const { return parts_->scan.scan(); }
+const ScanReturns& Monitor::returns() const { return parts_->returns; }
 
 void Monitor::addJoints(Time now, Time stamp, const std::vector<std::string>& names,
                         const std::vector<double>& positions,
                         const std::vector<double>& velocities) {
-  scan_.addJoints(now, stamp, names, positions, velocities);
-  if (checker_) checker_->addJoints(now, stamp, names, positions, velocities);
+  parts_->scan.addJoints(now, stamp, names, positions, velocities);
+  if (hasRobot()) checker().addJoints(now, stamp, names, positions, velocities);
 }
 
 void Monitor::scanArrived(Time now, Time stamp) {
-  if (checker_) checker_->addScanReport(now, {stamp, ScanReport::Outcome::kWaiting});
+  if (hasRobot()) checker().addScanReport(now, {stamp, ScanReport::Outcome::kWaiting});
 }
 
 void Monitor::scanDropped(Time now, Time stamp, const std::string& reason) {
-  if (checker_) checker_->addScanReport(now, {stamp, ScanReport::Outcome::kDropped, reason});
+  if (hasRobot()) checker().addScanReport(now, {stamp, ScanReport::Outcome::kDropped, reason});
 }
 
 void Monitor::reset() {
-  scan_.reset();
-  mapper_.clear();
-  if (checker_) checker_->startAnew();
-  maps_ = {};
+  parts_->scan.reset();
+  parts_->mapper.clear();
+  if (hasRobot()) checker().startAnew();
+  parts_->maps = {};
 }
 
 Monitor::ScanOutcome Monitor::addScan(Time now, const LaserScan& scan,
                                       const PosePath& T_fixed_sensor,
                                       const std::vector<PosePath>& T_fixed_roots) {
+  auto& [stage, mapper, ages, checker, returns, maps, newest] = *parts_;
   ScanOutcome outcome;
   Stopwatch stopwatch;
-  outcome.dropped = scan_.assemble(scan, T_fixed_sensor, T_fixed_roots);
+  outcome.dropped = stage.assemble(scan, T_fixed_sensor, T_fixed_roots);
   if (outcome.dropped.empty()) {
-    takeReturns(scan_.scan(), returns_);
-    outcome.beams = scan_.scan().counts();
+    takeReturns(stage.scan(), returns);
+    outcome.beams = stage.scan().counts();
     outcome.assemble_us = stopwatch.lapMicroseconds();
-    const Mapper::Outcome mapped = mapper_.add(returns_);
+    const Mapper::Outcome mapped = mapper.add(returns);
     outcome.dropped = mapped.dropped;
     outcome.added = mapped.added;
     outcome.integrate_us = stopwatch.lapMicroseconds();
@@ -51,37 +91,34 @@ Monitor::ScanOutcome Monitor::addScan(Time now, const LaserScan& scan,
     scanDropped(now, scan.stamp, outcome.dropped);
     return outcome;
   }
-  if (checker_) checker_->addScanReport(now, {scan.stamp, ScanReport::Outcome::kAssembled});
-  publishMap(now);
+  if (checker) checker->addScanReport(now, {scan.stamp, ScanReport::Outcome::kAssembled});
+  parts_->publishMap(now);
   outcome.snapshot_us = stopwatch.lapMicroseconds();
-  ages_.follow(mapper_.map(), mapper_.looks());
+  ages.follow(mapper.map(), mapper.looks());
   return outcome;
 }
 
-void Monitor::publishMap(Time now) {
-  newest_ = 1 - newest_;
-  if (!maps_[newest_]) {
-    maps_[newest_] = std::make_shared<CuboidMap>();
-    mapper_.reserve(*maps_[newest_]);
-  }
-  mapper_.snapshot(*maps_[newest_]);
-  ages_.apply(mapper_.map(), *maps_[newest_]);
-  if (checker_) checker_->setMap(now, maps_[newest_]);
-}
-
 void Monitor::attach(Time now, const AttachedObject& object, double forget_padding_m) {
-  const Region region{{checker_->placeOf(now, object), forget_padding_m}};
+  const Region region{{checker().placeOf(now, object), forget_padding_m}};
   validate(region);
-  checker_->attach(object);
-  scan_.hold(checker_->attached());
-  mapper_.forget(region, now);
-  if (maps_[newest_]) publishMap(now);
+  checker().attach(object);
+  parts_->scan.hold(checker().attached());
+  parts_->mapper.forget(region, now);
+  if (map() != nullptr) parts_->publishMap(now);
 }
 
 bool Monitor::detach(const std::string& object) {
-  if (!checker_->detach(object)) return false;
-  scan_.hold(checker_->attached());
+  if (!checker().detach(object)) return false;
+  parts_->scan.hold(checker().attached());
   return true;
+}
+
+Monitor loadMonitor(const std::string& config, const std::string& urdf,
+                    const RobotResources& resources) {
+  const MonitorConfig settings = readMonitorConfig(config);
+  std::shared_ptr<const RobotModel> model;
+  if (!urdf.empty()) model = std::make_shared<RobotModel>(urdf, settings.robot, resources);
+  return Monitor(settings.monitor(), std::move(model));
 }
 
 }  // namespace tccm

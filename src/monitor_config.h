@@ -2,9 +2,18 @@
 
 #include <string>
 
-#include "monitor.h"
+#include "check/checker_config.h"
+#include "map/mapper.h"
+#include "scan/scan_stage.h"
+#include "tccm_monitor/monitor.h"
 
 namespace tccm {
+
+struct Monitor::Config {
+  ScanStage::Config scan;
+  Mapper::Config mapper;
+  Checker::Config checker;
+};
 
 // What each nodelet is configured with, and what all have to know of the robot: a section of a YAML
 // file, or a private namespace of the parameter server.

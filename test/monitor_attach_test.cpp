@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "geometry/ray.h"
-#include "monitor.h"
+#include "monitor_config.h"
 #include "support/nodding_sensor.h"
 #include "support/tiny_robot.h"
 #include "tccm_monitor/config_error.h"

@@ -1,9 +1,8 @@
-#include "monitor.h"
-
 #include <gtest/gtest.h>
 
 #include <limits>
 
+#include "monitor_config.h"
 #include "support/nodding_sensor.h"
 #include "support/tiny_robot.h"
 #include "tccm_monitor/config_error.h"

@@ -13,7 +13,6 @@
 #include <string>
 #include <vector>
 
-#include "monitor.h"
 #include "monitor_config.h"
 #include "ros/scan_source.h"
 #include "ros/transform_history.h"

@@ -9,6 +9,7 @@
 #include "fit/primitives_file.h"
 #include "fit_table.h"
 #include "link_primitives.h"
+#include "mesh/mesh_file.h"
 #include "monitor_config.h"
 #include "program.h"
 #include "robot/kinematics.h"
@@ -103,7 +104,8 @@ Json sceneOf(const Options& options, const RobotModel& model) {
   Json scene{{"robot", model.name()}, {"meshes", Json::array()}, {"primitives", Json::array()}};
   for (const LinkElement& element : model.elements()) {
     if (element.source != "mesh") continue;
-    const Mesh mesh = readMesh(resources.read(element.uri), element.uri, element.scaling);
+    const Mesh mesh = readMesh(resources.read(element.uri), element.uri,
+                               {element.mesh_scale, element.mesh_up_axis});
     const Pose T_root_mesh = kinematics.linkPoses()[element.link] * element.T_link_element;
     Json vertices = Json::array();
     for (const Vector3& vertex : mesh.vertices) {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "fit/primitives_file.h"
-#include "robot/robot_model.h"
+#include "tccm_monitor/robot_model.h"
 
 namespace tccm {
 

@@ -5,10 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "map/cuboid_map.h"
-#include "robot/joint_states.h"
-#include "robot/joint_trajectory.h"
-#include "robot/robot_model.h"
+#include "tccm_monitor/cuboid_map.h"
+#include "tccm_monitor/robot_model.h"
 #include "tccm_monitor/verdict.h"
 
 namespace tccm {
@@ -46,9 +44,9 @@ class Checker {
 
   /// A message that is stamped in the future is dropped.
   /// @return what was taken of it.
-  JointStates::Added addJoints(Time now, Time stamp, const std::vector<std::string>& names,
-                               const std::vector<double>& positions,
-                               const std::vector<double>& velocities);
+  AddedJoints addJoints(Time now, Time stamp, const std::vector<std::string>& names,
+                        const std::vector<double>& positions,
+                        const std::vector<double>& velocities);
   /// One of the model's roots in the fixed frame. One that does not move (the same frame, or
   /// static transforms alone) never grows old.
   void setRootPose(std::size_t root, Time stamp, const Pose& T_fixed_root, bool is_static);

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "geometry/shape.h"
+#include "tccm_monitor/shape.h"
 #include "tccm_monitor/time.h"
 
 namespace tccm {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "config/parameter_table.h"
-#include "map/cuboid_map.h"
 #include "robot/joint_states.h"
+#include "tccm_monitor/cuboid_map.h"
 #include "tccm_monitor/verdict.h"
 
 namespace tccm {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "config/parameter_table.h"
-#include "geometry/shape.h"
-#include "map/cuboid_map.h"
+#include "tccm_monitor/cuboid_map.h"
+#include "tccm_monitor/shape.h"
 #include "tccm_monitor/verdict.h"
 
 namespace tccm {

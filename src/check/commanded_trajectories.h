@@ -8,7 +8,7 @@
 #include "robot/joint_path.h"
 #include "robot/joint_states.h"
 #include "robot/joint_trajectory.h"
-#include "robot/robot_model.h"
+#include "tccm_monitor/robot_model.h"
 #include "tccm_monitor/time.h"
 
 namespace tccm {

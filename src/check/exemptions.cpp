@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "robot/link_use.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {

@@ -6,7 +6,7 @@
 
 #include "check/collision_check.h"
 #include "config/parameter_table.h"
-#include "robot/robot_model.h"
+#include "tccm_monitor/robot_model.h"
 #include "tccm_monitor/verdict.h"
 
 namespace tccm {

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "geometry/distance.h"
-#include "map/cuboid_map.h"
+#include "tccm_monitor/cuboid_map.h"
 
 namespace tccm {
 

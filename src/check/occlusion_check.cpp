@@ -55,13 +55,12 @@ const OcclusionCheck::Result& OcclusionCheck::find(const CuboidMap& map, const B
 OcclusionCheck::PixelSight OcclusionCheck::sightOf(const LookImage::Passes& passes,
                                                    const ZBuffer::Pixel& drawn,
                                                    LookImage::Ticks oldest) const {
-  using End = LookImage::End;
   const float least_mm = 1e3F * (drawn.depth - static_cast<float>(config_.margin_m));
   for (const LookImage::Pass& pass : passes) {
-    if (pass.end == End::kNever || pass.last < oldest) break;
-    if (pass.end == End::kUnclear) continue;
+    if (pass.end == Seen::kNever || pass.last < oldest) break;
+    if (pass.end == Seen::kUnclear) continue;
     if (static_cast<float>(pass.range_mm) >= least_mm) return PixelSight::kVisible;
-    if (pass.end != End::kRobot) return PixelSight::kOccluded;
+    if (pass.end != Seen::kRobot) return PixelSight::kOccluded;
   }
   return PixelSight::kUnseen;
 }

@@ -7,8 +7,8 @@
 
 #include "check/z_buffer.h"
 #include "config/parameter_table.h"
-#include "geometry/shape.h"
-#include "map/cuboid_map.h"
+#include "tccm_monitor/cuboid_map.h"
+#include "tccm_monitor/shape.h"
 #include "tccm_monitor/verdict.h"
 
 namespace tccm {

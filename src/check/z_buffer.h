@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
-#include "geometry/direction_grid.h"
-#include "geometry/shape.h"
-#include "map/cuboid_map.h"
+#include "tccm_monitor/cuboid_map.h"
+#include "tccm_monitor/direction_grid.h"
+#include "tccm_monitor/shape.h"
 
 namespace tccm {
 

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "geometry/pose.h"
+#include "tccm_monitor/pose.h"
 
 namespace tccm {
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "config/parameter_table.h"
 #include "fit/convex_hull.h"
 #include "fit/directions.h"
 #include "fit/enclosing.h"
@@ -100,9 +101,7 @@ void PrimitiveFitConfig::describe(ParameterTable& table) {
             "a further primitive has to better the fit by this share");
 }
 
-void PrimitiveFitConfig::validate() const {
-  requireInRange("fit_margin_m", margin_m, 0.0, 0.1);
-}
+void PrimitiveFitConfig::validate() const { requireInRange("fit_margin_m", margin_m, 0.0, 0.1); }
 
 PrimitiveFit fitPrimitives(const Mesh& mesh, const PrimitiveFitConfig& config,
                            const std::string& owner) {

@@ -3,9 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "config/parameter_table.h"
-#include "geometry/shape.h"
 #include "mesh/mesh.h"
+#include "tccm_monitor/shape.h"
 
 namespace tccm {
 
@@ -17,19 +16,6 @@ struct PrimitiveFit {
   /// The furthest that a point of a primitive is from the convex hull of the part it covers, margin
   /// included.
   double overhang_m = 0.0;
-};
-
-struct PrimitiveFitConfig {
-  int primitives_max = 4;  ///< for one mesh, at most 16
-  /// A further primitive has to take this share away of the primitives' volume times the cube root
-  /// of their overhang: it is worth its cost where it leaves less air, or air that reaches less
-  /// far.
-  double split_gain = 0.1;
-  /// Primitives are larger by this, so that rounding leaves nothing outside.
-  double margin_m = 1e-5;
-
-  void describe(ParameterTable& table);
-  void validate() const;  ///< margin_m, which is no parameter
 };
 
 /// Covers the mesh with the box, cylinder, capsule or sphere of least volume, or with several where

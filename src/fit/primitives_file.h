@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "geometry/shape.h"
+#include "tccm_monitor/shape.h"
 
 namespace tccm {
 

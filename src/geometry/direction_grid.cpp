@@ -1,4 +1,4 @@
-#include "geometry/direction_grid.h"
+#include "tccm_monitor/direction_grid.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "geometry/pose.h"
+#include "tccm_monitor/pose.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "geometry/shape.h"
+#include "tccm_monitor/shape.h"
 
 namespace tccm {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "geometry/pose.h"
+#include "tccm_monitor/pose.h"
 
 namespace tccm {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "map/grid.h"
+#include "tccm_monitor/cuboid_map.h"
 
 namespace tccm {
 

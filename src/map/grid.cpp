@@ -1,10 +1,10 @@
-#include "map/grid.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "config/parameter_table.h"
 #include "tccm_monitor/config_error.h"
+#include "tccm_monitor/cuboid_map.h"
 
 namespace tccm {
 namespace {

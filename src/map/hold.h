@@ -8,8 +8,8 @@
 #include "map/held_layer.h"
 #include "map/integration_map.h"
 #include "map/scan_returns.h"
-#include "sight/look_image.h"
 #include "sight/newest_looks.h"
+#include "tccm_monitor/look_image.h"
 
 namespace tccm {
 

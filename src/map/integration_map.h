@@ -7,13 +7,12 @@
 
 #include "config/parameter_table.h"
 #include "map/columns.h"
-#include "map/cuboid_map.h"
 #include "map/forgotten_regions.h"
-#include "map/grid.h"
 #include "map/held_layer.h"
 #include "map/part_map_ring.h"
 #include "map/region.h"
 #include "map/return_counts.h"
+#include "tccm_monitor/cuboid_map.h"
 
 namespace tccm {
 
@@ -36,11 +35,7 @@ class IntegrationMap {
     void validate() const { grid.validate(); }
   };
 
-  struct Added {
-    std::size_t mapped = 0;
-    std::size_t out_of_area = 0;
-    std::size_t forgotten = 0;  ///< inside of what forget() was told
-  };
+  using Added = AddedReturns;
 
   /// Allocates everything it will ever use. @throws ConfigError
   explicit IntegrationMap(const Config& config);

@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "config/parameter_table.h"
-#include "map/cuboid_map.h"
 #include "map/hold.h"
 #include "map/integration_map.h"
 #include "map/scan_returns.h"
 #include "map/tilt_period.h"
 #include "sight/look_map.h"
+#include "tccm_monitor/cuboid_map.h"
 
 namespace tccm {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "map/grid.h"
+#include "tccm_monitor/cuboid_map.h"
 #include "tccm_monitor/time.h"
 
 namespace tccm {

@@ -4,10 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "map/cuboid_map.h"
-#include "map/grid.h"
 #include "map/integration_map.h"
-#include "sight/look_image.h"
+#include "tccm_monitor/cuboid_map.h"
+#include "tccm_monitor/look_image.h"
 #include "tccm_monitor/time.h"
 
 namespace tccm {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "geometry/shape.h"
+#include "tccm_monitor/shape.h"
 
 namespace tccm {
 

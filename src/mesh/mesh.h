@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "geometry/pose.h"
+#include "tccm_monitor/pose.h"
 
 namespace tccm {
 

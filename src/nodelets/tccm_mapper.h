@@ -11,6 +11,7 @@
 #include <memory>
 #include <string>
 
+#include "map/place_ages.h"
 #include "monitor_config.h"
 #include "nodelets/diagnosed_nodelet.h"
 #include "nodelets/message_pool.h"

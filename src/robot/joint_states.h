@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "config/parameter_table.h"
-#include "robot/robot_model.h"
+#include "tccm_monitor/robot_model.h"
 #include "tccm_monitor/time.h"
 
 namespace tccm {
@@ -34,12 +34,7 @@ class JointStates {
     void describe(ParameterTable& table);
   };
 
-  /// What a message brought.
-  struct Added {
-    std::size_t taken = 0;  ///< positions of joints that matter
-    /// Of those that matter: not finite, beyond 1e6, or not newer than the last.
-    std::size_t refused = 0;
-  };
+  using Added = AddedJoints;
 
   /// @throws ConfigError
   JointStates(const RobotModel& model, const Config& config);

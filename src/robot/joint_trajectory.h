@@ -4,21 +4,9 @@
 #include <vector>
 
 #include "robot/joint_path.h"
-#include "robot/robot_model.h"
+#include "tccm_monitor/robot_model.h"
 
 namespace tccm {
-
-/// What an arm controller is told to do (trajectory_msgs/JointTrajectory without its header).
-struct JointTrajectory {
-  struct Point {
-    double time_s = 0.0;                ///< from the trajectory's start
-    std::vector<double> positions;      ///< [rad or m], one for each name
-    std::vector<double> velocities;     ///< the same, or empty
-    std::vector<double> accelerations;  ///< the same, or empty
-  };
-  std::vector<std::string> names;
-  std::vector<Point> points;
-};
 
 /// Empty, or in one line what is wrong with it: no joints or points, a joint that is named twice,
 /// that the robot does not have, that moves no monitored link, that follows another or is fixed; a

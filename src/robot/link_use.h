@@ -6,9 +6,15 @@
 #include <vector>
 
 #include "config/parameter_table.h"
-#include "geometry/shape.h"
+#include "tccm_monitor/shape.h"
 
 namespace tccm {
+
+/// How the parameters of one use of the body are called, and what they mean for it.
+struct LinkUseKeys {
+  std::string links, ignored, scale, padding, exceptions;
+  std::string links_meaning = {}, padding_meaning = {};
+};
 
 /// Which of the monitored links one use of the body takes (self filter, collision, occlusion), and
 /// how their primitives grow for it. Links are named as LinkSelector takes them.
@@ -32,11 +38,7 @@ struct LinkUse {
   LinkUse() = default;
   explicit LinkUse(const Expansion& all) : expansion(all) {}
 
-  /// How the parameters of one use are called, and what they mean for it.
-  struct Keys {
-    std::string links, ignored, scale, padding, exceptions;
-    std::string links_meaning = {}, padding_meaning = {};
-  };
+  using Keys = LinkUseKeys;
   void describe(ParameterTable& table, const Keys& keys, Tunable growth = Tunable::kNo);
   /// @throws ConfigError
   void validate(const Keys& keys) const;

@@ -4,13 +4,17 @@
 #include <filesystem>
 #include <utility>
 
+#include "config/parameter_table.h"
 #include "fit/fit_cache.h"
+#include "fit/primitive_fit.h"
 #include "fit/primitives_file.h"
+#include "mesh/mesh_file.h"
 #include "mesh/text.h"
 #include "robot/joint_tree.h"
-#include "robot/robot_model.h"
+#include "robot/link_selector.h"
 #include "robot/urdf_reader.h"
 #include "tccm_monitor/config_error.h"
+#include "tccm_monitor/robot_model.h"
 
 namespace tccm {
 namespace {
@@ -155,15 +159,14 @@ class GeometryReader {
     if (resources_.progress) resources_.progress(meshes_done_++, meshes_);
     element.source = "mesh";
     element.uri = mesh.filename;
-    element.scaling.scale << mesh.scale.x, mesh.scale.y, mesh.scale.z;
-    element.scaling.apply_up_axis = config_.apply_mesh_up_axis;
+    element.mesh_scale << mesh.scale.x, mesh.scale.y, mesh.scale.z;
+    element.mesh_up_axis = config_.apply_mesh_up_axis;
+    const MeshScaling scaling{element.mesh_scale, element.mesh_up_axis};
     try {
       const std::string content = contentOf(mesh.filename, "its mesh " + mesh.filename);
-      PrimitiveFit fit =
-          cache_.fit(content, fitKey(mesh.filename, element.scaling, config_.fit), [&] {
-            return fitPrimitives(readMesh(content, mesh.filename, element.scaling), config_.fit,
-                                 mesh.filename);
-          });
+      PrimitiveFit fit = cache_.fit(content, fitKey(mesh.filename, scaling, config_.fit), [&] {
+        return fitPrimitives(readMesh(content, mesh.filename, scaling), config_.fit, mesh.filename);
+      });
       element.hull_volume_m3 = fit.hull_volume_m3;
       element.overhang_m = fit.overhang_m;
       for (PlacedShape& primitive : fit.primitives) {

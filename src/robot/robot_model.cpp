@@ -1,8 +1,11 @@
-#include "robot/robot_model.h"
+#include "tccm_monitor/robot_model.h"
 
 #include <algorithm>
 #include <sstream>
 
+#include "config/parameter_table.h"
+#include "robot/link_selector.h"
+#include "robot/link_use.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
@@ -62,7 +65,7 @@ std::vector<std::string> RobotModel::rootLinks() const {
   return names;
 }
 
-UsedShapes RobotModel::shapesFor(const LinkUse& use, const LinkUse::Keys& keys) const {
+UsedShapes RobotModel::shapesFor(const LinkUse& use, const LinkUseKeys& keys) const {
   std::vector<std::string> shape_links;
   for (const LinkShape& shape : shapes_) shape_links.push_back(tree_.links[shape.link]);
   selector_->requireMatches(use.links, shape_links, keys.links);

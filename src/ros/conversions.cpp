@@ -160,7 +160,7 @@ std::string fromMessage(const sensor_msgs::PointCloud2& message, ScanReturns& re
     if (p.allFinite()) returns.points.push_back(p);
     const auto what = *kind < kBeamKinds ? static_cast<BeamKind>(*kind) : BeamKind::kUnknown;
     if (end.allFinite() && returns.viewpoint.allFinite()) {
-      returns.looks.push_back({returns.viewpoint, end, lookEndOf(what)});
+      returns.looks.push_back({returns.viewpoint, end, seenBy(what)});
     }
     for (PointReader* field : {&x, &y, &z, &vp_x, &vp_y, &vp_z, &end_x, &end_y, &end_z}) ++*field;
     ++kind;

@@ -11,12 +11,12 @@
 
 #include <string>
 
-#include "map/cuboid_map.h"
 #include "map/mapper.h"
 #include "robot/joint_trajectory.h"
-#include "robot/robot_model.h"
 #include "scan/assembled_scan.h"
-#include "scan/laser_scan.h"
+#include "tccm_monitor/cuboid_map.h"
+#include "tccm_monitor/laser_scan.h"
+#include "tccm_monitor/robot_model.h"
 
 namespace tccm {
 

@@ -84,7 +84,7 @@ std::string fromMessage(const tccm_monitor::Looks& message, LookImage& looks) {
     const auto row = static_cast<int>(message.row_begin + pixel / columns);
     looks.edit(row, static_cast<int>(pixel % columns))[i % LookImage::kPasses] = {
         message.first_ms[i], message.last_ms[i], message.range_mm[i],
-        static_cast<LookImage::End>(message.end[i]), message.moved[i] != 0};
+        static_cast<Seen>(message.end[i]), message.moved[i] != 0};
   }
   return {};
 }

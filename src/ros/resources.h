@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "robot/resources.h"
+#include "tccm_monitor/robot_model.h"
 
 namespace tccm {
 

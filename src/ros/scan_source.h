@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "geometry/pose.h"
 #include "monitor_config.h"
 #include "robot/joint_states.h"
 #include "ros/transform_history.h"
-#include "scan/laser_scan.h"
+#include "tccm_monitor/laser_scan.h"
+#include "tccm_monitor/pose.h"
 
 namespace tccm {
 

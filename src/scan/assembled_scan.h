@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "geometry/pose.h"
-#include "scan/laser_scan.h"
+#include "tccm_monitor/laser_scan.h"
+#include "tccm_monitor/pose.h"
 
 namespace tccm {
 
@@ -25,8 +25,6 @@ struct Beam {
            kind == BeamKind::kShadow;
   }
 };
-
-using BeamCounts = std::array<std::size_t, kBeamKinds>;
 
 /// A scan's beams in the fixed frame, in the order they were measured.
 struct AssembledScan {

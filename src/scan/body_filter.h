@@ -4,8 +4,8 @@
 
 #include "config/parameter_table.h"
 #include "geometry/ray.h"
-#include "geometry/shape.h"
 #include "scan/assembled_scan.h"
+#include "tccm_monitor/shape.h"
 
 namespace tccm {
 

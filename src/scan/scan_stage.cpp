@@ -4,11 +4,11 @@
 
 namespace tccm {
 
-Look::End lookEndOf(BeamKind kind) {
-  if (kind == BeamKind::kReturn) return Look::End::kSurface;
-  if (kind == BeamKind::kNoReturn) return Look::End::kNothing;
+Seen seenBy(BeamKind kind) {
+  if (kind == BeamKind::kReturn) return Seen::kSurface;
+  if (kind == BeamKind::kNoReturn) return Seen::kNothing;
   // It measured nothing, or its end lies between two surfaces or in the robot's shadow.
-  return kind == BeamKind::kSelf ? Look::End::kRobot : Look::End::kUnclear;
+  return kind == BeamKind::kSelf ? Seen::kRobot : Seen::kUnclear;
 }
 
 void takeReturns(const AssembledScan& scan, ScanReturns& returns) {
@@ -19,7 +19,7 @@ void takeReturns(const AssembledScan& scan, ScanReturns& returns) {
   returns.looks.clear();
   for (const Beam& beam : scan.beams) {
     if (beam.kind == BeamKind::kReturn) returns.points.push_back(beam.p_fixed);
-    returns.looks.push_back({beam.viewpoint, beam.p_fixed, lookEndOf(beam.kind)});
+    returns.looks.push_back({beam.viewpoint, beam.p_fixed, seenBy(beam.kind)});
   }
 }
 

@@ -11,7 +11,7 @@
 namespace tccm {
 
 /// What a beam of that kind says of the space along it.
-[[nodiscard]] Look::End lookEndOf(BeamKind kind);
+[[nodiscard]] Seen seenBy(BeamKind kind);
 
 /// The first step of the way: from a scan and where the sensor and the robot were to what the map
 /// takes of it. The robot is filtered out, with what it holds.

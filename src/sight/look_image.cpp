@@ -1,4 +1,4 @@
-#include "sight/look_image.h"
+#include "tccm_monitor/look_image.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,9 +16,8 @@ constexpr LookImage::Ticks kSameStroke = 100;  // [ms] between passes in neighbo
 
 /// Whether a pass saw the place itself; what the robot ends on hides all that is behind it.
 bool reached(const LookImage::Pass& pass, double range_m, double margin_m) {
-  using End = LookImage::End;
-  if (pass.end == End::kNever || pass.end == End::kUnclear) return false;
-  return pass.range() >= (pass.end == End::kRobot ? range_m : range_m - margin_m);
+  if (pass.end == Seen::kNever || pass.end == Seen::kUnclear) return false;
+  return pass.range() >= (pass.end == Seen::kRobot ? range_m : range_m - margin_m);
 }
 
 double validated(double resolution_rad) {
@@ -42,14 +41,14 @@ LookImage::Sight LookImage::at(std::size_t pixel, double range_m, double margin_
   Sight sight{Sight::Kind::kNeverLooked, epoch_};
   const Passes& passes = passes_[pixel];
   const bool is_regular = std::all_of(passes.begin(), passes.end(), [](const Pass& pass) {
-    return pass.end != End::kNever && !pass.moved;
+    return pass.end != Seen::kNever && !pass.moved;
   });
   if (is_regular) sight.looked = timeOf(passes.front().last);
   for (const Pass& pass : passes) {
-    if (pass.end == End::kNever) break;
+    if (pass.end == Seen::kNever) break;
     const bool reaches = pass.range() >= range_m - margin_m;
-    const bool is_clear = pass.end != End::kUnclear;
-    if (is_clear && (reaches || pass.end != End::kRobot)) {
+    const bool is_clear = pass.end != Seen::kUnclear;
+    if (is_clear && (reaches || pass.end != Seen::kRobot)) {
       sight.kind = reaches ? Sight::Kind::kSeen : Sight::Kind::kBehind;
       sight.stamp = timeOf(pass.last);
       return sight;
@@ -64,7 +63,7 @@ LookImage::Sight LookImage::at(std::size_t pixel, double range_m, double margin_
 bool LookImage::reachedSince(Time since, std::size_t pixel, double range_m) const {
   const Passes& passes = passes_[pixel];
   return std::any_of(passes.begin(), passes.end(), [&](const Pass& pass) {
-    const bool is_clear = pass.end != End::kNever && pass.end != End::kUnclear;
+    const bool is_clear = pass.end != Seen::kNever && pass.end != Seen::kUnclear;
     return is_clear && timeOf(pass.first) > since && pass.range() >= range_m;
   });
 }
@@ -95,7 +94,7 @@ Time LookImage::lookedAround(const Vector3& p_fixed, double angle) const {
     const int reach = grid_.columnsWithin(row, angle);
     for (int c = middle - reach; c <= middle + reach; ++c) {
       const Pass& pass = passes_[grid_.index(row, grid_.wrapped(c))].front();
-      if (pass.end != End::kNever && !pass.moved) newest = std::max(newest, pass.last);
+      if (pass.end != Seen::kNever && !pass.moved) newest = std::max(newest, pass.last);
     }
   }
   return timeOf(newest);
@@ -120,7 +119,7 @@ void LookImage::visitSeen(const Vector3& p_fixed, double margin_m, Visit&& visit
     });
   };
   for (const Pass& own : passes_[static_cast<std::size_t>(pixel)]) {
-    if (own.end == End::kNever) return;
+    if (own.end == Seen::kNever) return;
     const bool is_seen = reached(own, range, margin_m) || reachedWith(own, row, column - 1) ||
                          reachedWith(own, row, column + 1) || reachedWith(own, row - 1, column) ||
                          reachedWith(own, row + 1, column);

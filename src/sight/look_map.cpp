@@ -10,8 +10,6 @@
 namespace tccm {
 namespace {
 
-using End = LookImage::End;
-
 constexpr double kMeanShare = 0.02;  // of the newest scan in the mean viewpoint
 constexpr double kJump = 0.05;       // [m] beyond that a sensor does not swing, it drives
 constexpr double kMoveMax = 0.01;    // [m] of the mean, before directions are taken from there
@@ -20,25 +18,11 @@ constexpr double kNearest = 1e-3;    // [m]; an end this near has no direction
 constexpr Duration kLongest = std::chrono::hours(24 * 24);  // that milliseconds are counted for
 
 /// A look that is unclear counts only where no other does.
-double handicap(End end) { return end == End::kUnclear ? 2.0 : 0.0; }
+double handicap(Seen end) { return end == Seen::kUnclear ? 2.0 : 0.0; }
 
 LookImage::Ticks toTicks(Duration duration) {
   return static_cast<LookImage::Ticks>(
       std::chrono::duration_cast<std::chrono::milliseconds>(duration).count());
-}
-
-End toEnd(Look::End what) {
-  switch (what) {
-    case Look::End::kSurface:
-      return End::kSurface;
-    case Look::End::kNothing:
-      return End::kNothing;
-    case Look::End::kRobot:
-      return End::kRobot;
-    case Look::End::kUnclear:
-      break;
-  }
-  return End::kUnclear;
 }
 
 /// Rounded down: what is not sure to have been seen was not.
@@ -93,7 +77,7 @@ void LookMap::add(Time stamp, const std::vector<Look>& looks) {
   // pixel the one nearest to its middle speaks.
   std::optional<Beam> best;
   for (const Look& look : looks) {
-    const auto beam = beamTo(look.end, {now, now, 0, toEnd(look.what)});
+    const auto beam = beamTo(look.end, {now, now, 0, look.what});
     if (!beam) continue;
     if (best && best->pixel != beam->pixel) note(*best);
     if (!best || best->pixel != beam->pixel || beam->aim > best->aim) best = beam;
@@ -146,7 +130,7 @@ void LookMap::note(int row, int column, const Beam& beam, float aim) {
   LookImage::Passes& passes = image_.edit(row, column);
   Aims& aims = aims_[image_.grid().index(row, column)];
   const Ticks now = beam.pass.last;
-  const bool is_new = passes[0].end == End::kNever || now - passes[0].last > pass_gap_;
+  const bool is_new = passes[0].end == Seen::kNever || now - passes[0].last > pass_gap_;
   if (is_new) {
     std::move_backward(passes.begin(), passes.end() - 1, passes.end());
     std::move_backward(aims.begin(), aims.end() - 1, aims.end());
@@ -173,7 +157,7 @@ void LookMap::moveTo(const Vector3& viewpoint) {
         const Pass& pass = old_image_.passes(pixel)[k];
         const Aim& old = old_aims_[pixel][k];
         const auto beam = beamTo(old.end.cast<double>(), pass);
-        if (pass.end == End::kNever || !beam) continue;
+        if (pass.end == Seen::kNever || !beam) continue;
         spread(*beam, [&](int r, int c, float aim) { noteAgain(r, c, k, *beam, old, aim); });
       }
     }
@@ -185,7 +169,7 @@ void LookMap::noteAgain(int row, int column, std::size_t k, const Beam& beam, co
                         float aim) {
   Pass& pass = image_.edit(row, column)[k];
   Aim& best = aims_[image_.grid().index(row, column)][k];
-  if (pass.end != End::kNever && aim <= best.aim) return;
+  if (pass.end != Seen::kNever && aim <= best.aim) return;
   const float way = (image_.viewpoint().cast<float>() - old.viewpoint).norm();
   pass = beam.pass;
   pass.moved = way > kElsewhere;

@@ -7,7 +7,7 @@
 
 #include "config/parameter_table.h"
 #include "sight/look.h"
-#include "sight/look_image.h"
+#include "tccm_monitor/look_image.h"
 #include "tccm_monitor/time.h"
 
 namespace tccm {

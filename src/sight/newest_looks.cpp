@@ -89,7 +89,7 @@ void NewestLooks::addOutlines(std::uint32_t serial, const std::vector<Look>& loo
   std::size_t pixel = grid_.pixels();
   float nearest = kNone;
   for (const Look& look : looks) {
-    if (look.what != Look::End::kRobot) continue;
+    if (look.what != Seen::kRobot) continue;
     const Vector3 sight = look.end - look.viewpoint;
     const double distance = sight.norm();
     if (!(distance > kNearest)) continue;  // NaN, too
@@ -118,7 +118,7 @@ void NewestLooks::addOutline(std::size_t pixel, float distance, std::uint32_t se
 void NewestLooks::addLines(std::uint32_t serial, const std::vector<Look>& looks,
                            std::uint32_t outline_scans) {
   for (const Look& look : looks) {
-    if (look.what == Look::End::kRobot || look.what == Look::End::kUnclear) continue;
+    if (look.what == Seen::kRobot || look.what == Seen::kUnclear) continue;
     const Vector3 sight = look.end - look.viewpoint;
     const double range = sight.norm();
     if (!(range > kNearest)) continue;  // NaN, too

@@ -4,8 +4,8 @@
 #include <limits>
 #include <vector>
 
-#include "geometry/direction_grid.h"
 #include "sight/look.h"
+#include "tccm_monitor/direction_grid.h"
 
 namespace tccm {
 

@@ -99,8 +99,7 @@ TEST_F(EvidenceCheckTest, WhereAnotherPartOfTheRobotIsNowIsNothingNew) {
 }
 
 TEST_F(EvidenceCheckTest, BehindASurfaceAndBehindTheRobotNothingIsSeen) {
-  for (const auto end :
-       {LookImage::End::kSurface, LookImage::End::kRobot, LookImage::End::kUnclear}) {
+  for (const auto end : {Seen::kSurface, Seen::kRobot, Seen::kUnclear}) {
     const LookImage::Pass pass{500, 500, 700, end};
     lookEverywhere({pass, pass});
     EXPECT_EQ(find(10.5, 0.2).unseen_fraction, 1.0) << static_cast<int>(end);
@@ -129,7 +128,7 @@ TEST_F(EvidenceCheckTest, TheAgeGoesOnGrowingUntilThePlaceIsLookedAtAgain) {
 TEST_F(EvidenceCheckTest, WhatWasNeverSeenHasNoAge) {
   lookEverywhere({});
   EXPECT_FALSE(find(10.5, 0.0).links[0].age_s);
-  const LookImage::Pass before{500, 500, 100, LookImage::End::kSurface};
+  const LookImage::Pass before{500, 500, 100, Seen::kSurface};
   lookEverywhere({before, before});
   EXPECT_FALSE(find(10.5, 0.0).links[0].age_s) << "something stood before it";
 }
@@ -139,7 +138,7 @@ TEST_F(EvidenceCheckTest, WhatIsTooOldWasNotSeen) {
 }
 
 TEST_F(EvidenceCheckTest, ADirectionThatWasLookedInOnceOrFromElsewhereIsNoneThatTheSensorCovers) {
-  const LookImage::Pass pass{500, 500, 9000, LookImage::End::kNothing};
+  const LookImage::Pass pass{500, 500, 9000, Seen::kNothing};
   LookImage::Pass moved = pass;
   moved.moved = true;
   for (const LookImage::Passes& passes :
@@ -151,8 +150,8 @@ TEST_F(EvidenceCheckTest, ADirectionThatWasLookedInOnceOrFromElsewhereIsNoneThat
 }
 
 TEST_F(EvidenceCheckTest, BesideDirectionsThatAreLookedInADirectionIsNotLost) {
-  const LookImage::Pass newest{9000, 9000, 9000, LookImage::End::kNothing};
-  const LookImage::Pass before{8000, 8000, 9000, LookImage::End::kNothing};
+  const LookImage::Pass newest{9000, 9000, 9000, Seen::kNothing};
+  const LookImage::Pass before{8000, 8000, 9000, Seen::kNothing};
   int column = 0;
   lookOnly({newest, before}, [&column](double) { return ++column % 2 == 0; });
   EXPECT_EQ(find(19.0, 0.0).links[0].lost_fraction, 0.0);

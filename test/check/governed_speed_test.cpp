@@ -46,7 +46,7 @@ class GovernedHand : public ::testing::Test {
     map_.looks.begin(at(0.0), map_.viewpoint);
   }
   /// Every direction, at once.
-  void look(double range = 9.0, LookImage::End end = LookImage::End::kNothing) {
+  void look(double range = 9.0, Seen end = Seen::kNothing) {
     const auto ticks = static_cast<LookImage::Ticks>(std::lround(1e3 * now_));
     for (int row = 0; row < map_.looks.grid().rows(); ++row) {
       for (int column = 0; column < map_.looks.grid().columns(); ++column) {
@@ -111,7 +111,7 @@ class GovernedHand : public ::testing::Test {
 
   /// How far it goes on from rest, commanded fast, while every direction is looked at twice a
   /// second and the looks end so.
-  double wayWhileLooking(int steps, double range, LookImage::End end) {
+  double wayWhileLooking(int steps, double range, Seen end) {
     run(2.0, 0.0, {0.0, 0.5});
     const double from = x_;
     for (int i = 0; i < steps; ++i) {
@@ -171,12 +171,12 @@ TEST_F(GovernedHand, WhereNoLookIsDueTheScaleGoesToNothing) {
 }
 
 TEST_F(GovernedHand, LooksThatEndOnTheRobotAreNone) {
-  EXPECT_LT(wayWhileLooking(3000, 0.3, LookImage::End::kRobot), kDistance);
+  EXPECT_LT(wayWhileLooking(3000, 0.3, Seen::kRobot), kDistance);
   EXPECT_LT(scale_, 0.01);
 }
 
 TEST_F(GovernedHand, OfASurfaceThatIsMetBeforeThePlaceTheLooksCount) {
-  EXPECT_GT(wayWhileLooking(300, 0.92, LookImage::End::kSurface), 2.0 * kDistance);
+  EXPECT_GT(wayWhileLooking(300, 0.92, Seen::kSurface), 2.0 * kDistance);
 }
 
 TEST_F(GovernedHand, WhatItMovesAwayFromDoesNotLimitIt) {

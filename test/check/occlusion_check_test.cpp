@@ -148,8 +148,7 @@ TEST(OcclusionCheckTest, ALinkIsOccludedFromTheHiddenFractionOnUnlessItShowsTooL
 }
 
 /// A map whose looks go that far in every direction.
-CuboidMap lookedThrough(CuboidMap map, double range, LookImage::End end,
-                        LookImage::Pass before = {}) {
+CuboidMap lookedThrough(CuboidMap map, double range, Seen end, LookImage::Pass before = {}) {
   map.looks.begin(Time(), map.viewpoint);
   for (int row = 0; row < map.looks.grid().rows(); ++row) {
     for (int column = 0; column < map.looks.grid().columns(); ++column) {
@@ -174,20 +173,18 @@ TEST(OcclusionCheckTest, WhereNobodyLookedNothingIsVisible) {
 
 TEST(OcclusionCheckTest, TheNewestLookThatReachesALinkSeesItWhateverTheMapHolds) {
   const CuboidMap behind_wall = wall(-0.5, 0.5, -0.5, 0.5);
-  const LinkVisibility ball =
-      visibilityOfBall(lookedThrough(behind_wall, 3.0, LookImage::End::kNothing));
+  const LinkVisibility ball = visibilityOfBall(lookedThrough(behind_wall, 3.0, Seen::kNothing));
   EXPECT_EQ(ball.visible_fraction, 1.0);
 }
 
 TEST(OcclusionCheckTest, ALookThatEndsBeforeALinkHidesItAlsoWhereTheMapHoldsNothing) {
-  const LinkVisibility ball =
-      visibilityOfBall(lookedThrough(mapAround(), 0.5, LookImage::End::kSurface));
+  const LinkVisibility ball = visibilityOfBall(lookedThrough(mapAround(), 0.5, Seen::kSurface));
   EXPECT_EQ(ball.occluded_fraction, 1.0);
 }
 
 TEST(OcclusionCheckTest, BehindTheRobotItselfCuboidsHideAndTheRestIsUnseen) {
   const CuboidMap half = wall(0.0, 0.5, -0.5, 0.5);
-  for (const auto end : {LookImage::End::kRobot, LookImage::End::kUnclear}) {
+  for (const auto end : {Seen::kRobot, Seen::kUnclear}) {
     const LinkVisibility ball = visibilityOfBall(lookedThrough(half, 0.4, end));
     EXPECT_NEAR(ball.occluded_fraction, 0.5, 0.15);
     EXPECT_NEAR(ball.unseen_fraction, 0.5, 0.15);
@@ -196,14 +193,14 @@ TEST(OcclusionCheckTest, BehindTheRobotItselfCuboidsHideAndTheRestIsUnseen) {
 }
 
 TEST(OcclusionCheckTest, BehindTheRobotItselfTheLookBeforeCounts) {
-  const LookImage::Pass before{200, 200, 3000, LookImage::End::kNothing};
+  const LookImage::Pass before{200, 200, 3000, Seen::kNothing};
   const LinkVisibility ball =
-      visibilityOfBall(lookedThrough(mapAround(), 0.4, LookImage::End::kRobot, before));
+      visibilityOfBall(lookedThrough(mapAround(), 0.4, Seen::kRobot, before));
   EXPECT_EQ(ball.visible_fraction, 1.0);
 }
 
 TEST(OcclusionCheckTest, LooksOlderThanSoManyTiltPeriodsSayNothing) {
-  CuboidMap map = lookedThrough(mapAround(), 3.0, LookImage::End::kNothing);  // at 1 s
+  CuboidMap map = lookedThrough(mapAround(), 3.0, Seen::kNothing);  // at 1 s
   map.look_period = std::chrono::seconds(1);
   map.stamp = Time(std::chrono::milliseconds(2500));
   EXPECT_EQ(visibilityOfBall(map).visible_fraction, 1.0);

@@ -10,10 +10,11 @@
 
 #include "fuzz/promises.h"
 #include "robot/kinematics.h"
-#include "robot/robot_model.h"
+#include "robot/link_use.h"
 #include "support/mesh_texts.h"
 #include "support/random.h"
 #include "tccm_monitor/config_error.h"
+#include "tccm_monitor/robot_model.h"
 
 /// What the fuzz target of RobotModel and the test of its corpus do with an input: a byte that
 /// chooses the configuration, and a URDF.

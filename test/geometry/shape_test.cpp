@@ -1,4 +1,4 @@
-#include "geometry/shape.h"
+#include "tccm_monitor/shape.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "map/cuboid_map.h"
+#include "tccm_monitor/cuboid_map.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,3 @@
-#include "map/grid.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,6 +8,7 @@
 #include "support/near.h"
 #include "support/random.h"
 #include "tccm_monitor/config_error.h"
+#include "tccm_monitor/cuboid_map.h"
 
 namespace tccm {
 namespace {

@@ -40,14 +40,14 @@ class Feed {
       scan.viewpoint = kViewpoint;
       scan.looks = looks;
       for (const Look& look : looks) {
-        if (look.what == Look::End::kSurface) scan.points.push_back(look.end);
+        if (look.what == Seen::kSurface) scan.points.push_back(look.end);
       }
       EXPECT_EQ(mapper_.add(scan).dropped, "");
     }
   }
   /// The place is seen, and then no more until that scan has left the window.
   void seeOnce() {
-    scan({{kViewpoint, kPlace, Look::End::kSurface}});
+    scan({{kViewpoint, kPlace, Seen::kSurface}});
     scan({}, kWindow);
   }
   std::size_t count(bool held) {
@@ -67,11 +67,9 @@ class Feed {
   int scans_ = 0;
 };
 
-Look to(const Vector3& end, Look::End what = Look::End::kSurface) {
-  return {kViewpoint, end, what};
-}
+Look to(const Vector3& end, Seen what = Seen::kSurface) { return {kViewpoint, end, what}; }
 /// Past a place, to so much of its distance.
-Look past(const Vector3& place, double share, Look::End what = Look::End::kSurface) {
+Look past(const Vector3& place, double share, Seen what = Seen::kSurface) {
   return to(kViewpoint + share * (place - kViewpoint), what);
 }
 
@@ -98,7 +96,7 @@ TEST(MapperHoldTest, WhatItsNeighboursSupportedIsHeldWithTheirPoints) {
   Feed feed;
   feed.scan({to(kPlace), to(kElsewhere)});
   feed.scan({to(beside), to(beside)});
-  feed.scan({past(beside, 1.1, Look::End::kNothing), past(kElsewhere, 1.1, Look::End::kNothing)});
+  feed.scan({past(beside, 1.1, Seen::kNothing), past(kElsewhere, 1.1, Seen::kNothing)});
   feed.scan({}, kWindow);
   ASSERT_EQ(feed.held(), 1U);
   EXPECT_EQ(feed.map().cuboids.front().points, 3U);
@@ -107,15 +105,14 @@ TEST(MapperHoldTest, WhatItsNeighboursSupportedIsHeldWithTheirPoints) {
 TEST(MapperHoldTest, WhatWasLookedThroughMeanwhileIsGone) {
   Feed feed;
   feed.scan({to(kPlace)});
-  feed.scan({past(kPlace, 1.5, Look::End::kNothing)});
+  feed.scan({past(kPlace, 1.5, Seen::kNothing)});
   feed.scan({}, kWindow);
   EXPECT_EQ(feed.live() + feed.held(), 0U);
 }
 
 TEST(MapperHoldTest, ALookThatEndsOnTheRobotOrBeforeThePlaceLeavesItHeld) {
-  for (const Look& look :
-       {past(kPlace, 1.5, Look::End::kRobot), past(kPlace, 0.8, Look::End::kNothing),
-        past(kPlace + Vector3(0.06, 0.0, 0.0), 1.5, Look::End::kNothing)}) {
+  for (const Look& look : {past(kPlace, 1.5, Seen::kRobot), past(kPlace, 0.8, Seen::kNothing),
+                           past(kPlace + Vector3(0.06, 0.0, 0.0), 1.5, Seen::kNothing)}) {
     Feed feed;
     feed.scan({to(kPlace)});
     feed.scan({look});
@@ -130,7 +127,7 @@ TEST(MapperHoldTest, ALookThatEndsOnTheRobotOrBeforeThePlaceLeavesItHeld) {
 TEST(MapperHoldTest, WhatIsNextToTheRobotsOutlineStaysHeldWhenALookEndsJustBesideIt) {
   const Vector3 hidden = kPlace + Vector3(0.0, 0.0, 0.015);
   const Vector3 below = kPlace - Vector3(0.0, 0.0, 0.01);
-  const Look hand = past(kPlace + Vector3(0.0, 0.0, 0.03), 0.8, Look::End::kRobot);
+  const Look hand = past(kPlace + Vector3(0.0, 0.0, 0.03), 0.8, Seen::kRobot);
   Feed feed;
   feed.scan({to(hidden)});
   feed.scan({hand, to(below)});
@@ -140,16 +137,16 @@ TEST(MapperHoldTest, WhatIsNextToTheRobotsOutlineStaysHeldWhenALookEndsJustBesid
   EXPECT_EQ(feed.held(), 1U) << "of what the look ended on nothing is held";
   EXPECT_EQ(feed.live(), 1U);
   feed.scan({}, kWindow + 1);
-  feed.scan({past(below, 1.5, Look::End::kNothing), past(hidden, 1.5, Look::End::kNothing)});
+  feed.scan({past(below, 1.5, Seen::kNothing), past(hidden, 1.5, Seen::kNothing)});
   EXPECT_EQ(feed.held(), 0U) << "the hand has left";
 }
 
 /// In all directions around the place, to so much of its distance; the robot's hand is beside them.
 std::vector<Look> allAround(double share) {
-  std::vector<Look> looks = {past(kPlace + Vector3(0.13, 0.0, 0.0), 0.8, Look::End::kRobot)};
+  std::vector<Look> looks = {past(kPlace + Vector3(0.13, 0.0, 0.0), 0.8, Seen::kRobot)};
   for (int x = -8; x <= 8; ++x) {
     for (int y = -8; y <= 8; ++y) {
-      looks.push_back(past(kPlace + 0.01 * Vector3(x, y, 0.0), share, Look::End::kNothing));
+      looks.push_back(past(kPlace + 0.01 * Vector3(x, y, 0.0), share, Seen::kNothing));
     }
   }
   return looks;
@@ -167,8 +164,8 @@ TEST(MapperHoldTest, NextToTheRobotAPlaceIsLetGoOfOnceItIsLookedThroughAllAround
 }
 
 TEST(MapperHoldTest, AHeldIntervalIsLetGoOfOnceItsPlaceIsSeenAgain) {
-  for (const Look& look : {past(kPlace, 1.5, Look::End::kNothing), past(kPlace, 1.1), to(kPlace),
-                           past(kPlace, 0.97)}) {
+  for (const Look& look :
+       {past(kPlace, 1.5, Seen::kNothing), past(kPlace, 1.1), to(kPlace), past(kPlace, 0.97)}) {
     Feed feed;
     feed.seeOnce();
     ASSERT_EQ(feed.held(), 1U);
@@ -196,7 +193,7 @@ TEST(MapperHoldTest, WithoutHoldingItIsGoneAtOnce) {
 
 TEST(MapperHoldTest, WhatWasLookedAtBeforeTheScanThatSawItCountsForNothing) {
   Feed feed;
-  feed.scan({past(kPlace, 1.5, Look::End::kNothing)});
+  feed.scan({past(kPlace, 1.5, Seen::kNothing)});
   feed.seeOnce();
   EXPECT_EQ(feed.held(), 1U);
 }
@@ -248,10 +245,9 @@ TEST(MapperHoldTest, RandomStreamsLeaveTheLiveMapAsItIsWithoutHoldingAndApartFro
     for (int i = random.integer(0, 6); i > 0; --i) {
       const Vector3 place(random.uniform(0.0, 0.2), random.uniform(0.0, 0.2),
                           random.uniform(0.1, 0.3));
-      looks.push_back(
-          random.chance(0.3)
-              ? past(place, 1.4, random.chance(0.5) ? Look::End::kRobot : Look::End::kNothing)
-              : to(place));
+      looks.push_back(random.chance(0.3)
+                          ? past(place, 1.4, random.chance(0.5) ? Seen::kRobot : Seen::kNothing)
+                          : to(place));
     }
     holding.scan(looks);
     plain.scan(looks);

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "robot/robot_model.h"
 #include "support/random.h"
 #include "support/tiny_robot.h"
 #include "tccm_monitor/config_error.h"
+#include "tccm_monitor/robot_model.h"
 
 namespace tccm {
 namespace {

@@ -1,10 +1,11 @@
-#include "robot/robot_model.h"
+#include "tccm_monitor/robot_model.h"
 
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <sstream>
 
+#include "robot/link_use.h"
 #include "support/near.h"
 #include "support/refusal.h"
 #include "support/shared_data.h"

@@ -2,11 +2,12 @@
 /// meshes, and what the robot holds.
 #include <gtest/gtest.h>
 
-#include "robot/robot_model.h"
+#include "robot/link_use.h"
 #include "support/near.h"
 #include "support/refusal.h"
 #include "support/tiny_robot.h"
 #include "tccm_monitor/config_error.h"
+#include "tccm_monitor/robot_model.h"
 
 namespace tccm {
 namespace {

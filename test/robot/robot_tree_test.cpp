@@ -5,11 +5,11 @@
 #include <cmath>
 
 #include "robot/kinematics.h"
-#include "robot/robot_model.h"
 #include "support/near.h"
 #include "support/refusal.h"
 #include "support/tiny_robot.h"
 #include "tccm_monitor/config_error.h"
+#include "tccm_monitor/robot_model.h"
 
 namespace tccm {
 namespace {

@@ -11,11 +11,11 @@
 #include <set>
 
 #include "fit/primitives_file.h"
-#include "robot/robot_model.h"
 #include "ros/resources.h"
 #include "support/geometric_shapes_body.h"
 #include "support/random.h"
 #include "support/robot_meshes.h"
+#include "tccm_monitor/robot_model.h"
 #include "tools/link_primitives.h"
 
 namespace tccm {

@@ -34,7 +34,7 @@ void lookAtRandom(test::Random& random, CuboidMap& map) {
     for (int column = 0; column < grid.columns(); ++column) {
       for (LookImage::Pass& pass : map.looks.edit(row, column)) {
         pass = {ticks(), ticks(), static_cast<std::uint16_t>(random.integer(0, 65535)),
-                static_cast<LookImage::End>(random.integer(0, 4)), random.chance(0.3)};
+                static_cast<Seen>(random.integer(0, 4)), random.chance(0.3)};
       }
     }
   }

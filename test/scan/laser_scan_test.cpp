@@ -1,4 +1,4 @@
-#include "scan/laser_scan.h"
+#include "tccm_monitor/laser_scan.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sight/look_image.h"
+#include "tccm_monitor/look_image.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,6 @@
 namespace tccm {
 namespace {
 
-using End = LookImage::End;
 using Kind = LookImage::Sight::Kind;
 
 Time at(double seconds) { return Time(fromSeconds(seconds)); }
@@ -38,7 +37,7 @@ TEST(LookImageTest, AtFirstNobodyHasLookedAnywhere) {
 }
 
 TEST(LookImageTest, WhatAPassReachedWasSeenThen) {
-  const LookImage image = ahead({2000, 2500, 800, End::kSurface});
+  const LookImage image = ahead({2000, 2500, 800, Seen::kSurface});
   for (const double metres : {0.1, 0.5, 0.799}) {
     const auto sight = image.at(placeAhead(metres), 0.0);
     EXPECT_EQ(sight.kind, Kind::kSeen) << metres;
@@ -50,15 +49,15 @@ TEST(LookImageTest, WhatAPassReachedWasSeenThen) {
 }
 
 TEST(LookImageTest, BehindTheRobotThePassBeforeCounts) {
-  const LookImage::Pass robot{3000, 3000, 400, End::kRobot};
-  const auto seen = ahead(robot, {1000, 1000, 900, End::kNothing}).at(placeAhead(0.7), 0.0);
+  const LookImage::Pass robot{3000, 3000, 400, Seen::kRobot};
+  const auto seen = ahead(robot, {1000, 1000, 900, Seen::kNothing}).at(placeAhead(0.7), 0.0);
   EXPECT_EQ(seen.kind, Kind::kSeen);
   EXPECT_EQ(seen.stamp, at(101.0));
   EXPECT_EQ(*seen.looked, at(103.0));
-  const auto hidden = ahead(robot, {1000, 1000, 500, End::kSurface}).at(placeAhead(0.7), 0.0);
+  const auto hidden = ahead(robot, {1000, 1000, 500, Seen::kSurface}).at(placeAhead(0.7), 0.0);
   EXPECT_EQ(hidden.kind, Kind::kBehind);
   EXPECT_EQ(hidden.stamp, at(101.0));
-  for (const End end : {End::kRobot, End::kNever}) {
+  for (const Seen end : {Seen::kRobot, Seen::kNever}) {
     const auto unseen = ahead(robot, {1000, 1000, 500, end}).at(placeAhead(0.7), 0.0);
     EXPECT_EQ(unseen.kind, Kind::kUnclear);
     EXPECT_EQ(unseen.stamp, at(103.0));
@@ -66,7 +65,8 @@ TEST(LookImageTest, BehindTheRobotThePassBeforeCounts) {
 }
 
 TEST(LookImageTest, BehindANewSurfaceItDoesNotCountWhatWasSeenBefore) {
-  const LookImage image = ahead({3000, 3000, 400, End::kSurface}, {1000, 1000, 900, End::kNothing});
+  const LookImage image =
+      ahead({3000, 3000, 400, Seen::kSurface}, {1000, 1000, 900, Seen::kNothing});
   EXPECT_EQ(image.at(placeAhead(0.7), 0.0).kind, Kind::kBehind);
 }
 
@@ -86,14 +86,14 @@ LookImage around(const LookImage::Pass& pass, int row_by = 0, int column_by = 0,
 }
 
 TEST(LookImageTest, APlaceIsInViewOnceItsDirectionAndThoseAroundItReachAsFar) {
-  const LookImage::Pass far{2000, 2100, 900, End::kNothing};
+  const LookImage::Pass far{2000, 2100, 900, Seen::kNothing};
   EXPECT_TRUE(around(far).inViewSince(at(101.9), placeAhead(0.8), 0.0));
   EXPECT_TRUE(around(far).inViewSince(at(101.9), placeAhead(0.94), 0.05));
   EXPECT_FALSE(around(far).inViewSince(at(101.9), placeAhead(1.0), 0.05)) << "not as far";
   EXPECT_FALSE(around(far).inViewSince(at(102.05), placeAhead(0.8), 0.0)) << "the pass goes on";
   for (const auto& [row, column] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
-    const LookImage::Pass robot{2000, 2100, 400, End::kRobot},
-        unclear{2000, 2100, 900, End::kUnclear};
+    const LookImage::Pass robot{2000, 2100, 400, Seen::kRobot},
+        unclear{2000, 2100, 900, Seen::kUnclear};
     for (const auto& other : {robot, unclear, LookImage::Pass{}}) {
       EXPECT_FALSE(around(far, row, column, other).inViewSince(at(101.9), placeAhead(0.8), 0.0));
     }
@@ -102,11 +102,11 @@ TEST(LookImageTest, APlaceIsInViewOnceItsDirectionAndThoseAroundItReachAsFar) {
 }
 
 TEST(LookImageTest, ACopyAnswersAsTheOriginalAndForgetsWhatItWas) {
-  const LookImage image = ahead({2000, 2500, 800, End::kSurface});
+  const LookImage image = ahead({2000, 2500, 800, Seen::kSurface});
   for (const double resolution : {0.035, 0.1}) {
     LookImage copy(resolution);
     copy.begin(at(1.0), Vector3::Zero());
-    copy.edit(0, 3) = {LookImage::Pass{1, 1, 100, End::kRobot}, LookImage::Pass{}};
+    copy.edit(0, 3) = {LookImage::Pass{1, 1, 100, Seen::kRobot}, LookImage::Pass{}};
     copy.copyFrom(image);
     EXPECT_EQ(copy.grid().rows(), image.grid().rows());
     EXPECT_EQ(copy.viewpoint(), kViewpoint);
@@ -137,7 +137,8 @@ constexpr Duration kPeriod = std::chrono::milliseconds(1600);
 constexpr Duration kLate = std::chrono::milliseconds(200);
 
 TEST(LookImageTest, TheNextLookIsAPeriodAfterOneThatReached) {
-  const LookImage image = ahead({3000, 3000, 900, End::kSurface}, {2400, 2450, 900, End::kSurface});
+  const LookImage image =
+      ahead({3000, 3000, 900, Seen::kSurface}, {2400, 2450, 900, Seen::kSurface});
   const Vector3 place = placeAhead(0.8);
   EXPECT_EQ(image.nextLook(place, 0.0, at(103.1), kPeriod, kLate), at(104.0));
   EXPECT_EQ(image.nextLook(place, 0.0, at(104.1), kPeriod, kLate), at(104.0)) << "a little late";
@@ -149,10 +150,10 @@ TEST(LookImageTest, TheNextLookIsAPeriodAfterOneThatReached) {
 }
 
 TEST(LookImageTest, WhatTheRobotHidTheDirectionBesideMayShowInTheSameStroke) {
-  const LookImage own = ahead({3000, 3000, 400, End::kRobot});
+  const LookImage own = ahead({3000, 3000, 400, Seen::kRobot});
   const Vector3 place = kViewpoint + 0.8 * Vector3(1.0, 0.028, 0.017).normalized();
   EXPECT_FALSE(own.passedSince(at(102.9), place, 0.0));
-  const LookImage image = withBeside(own, {3040, 3040, 900, End::kSurface});
+  const LookImage image = withBeside(own, {3040, 3040, 900, Seen::kSurface});
   EXPECT_TRUE(image.passedSince(at(102.9), place, 0.0));
   EXPECT_EQ(image.nextLook(place, 0.0, at(103.1), kPeriod, kLate), at(104.6))
       << "when its own direction is looked in";
@@ -160,8 +161,8 @@ TEST(LookImageTest, WhatTheRobotHidTheDirectionBesideMayShowInTheSameStroke) {
 
 TEST(LookImageTest, ALookBesideIsNoneBeforeThePlaceIsLookedAtItself) {
   const Vector3 place = placeAhead(0.8);
-  const LookImage::Pass beside{3600, 3600, 900, End::kSurface};
-  const LookImage image = withBeside(ahead({3000, 3000, 900, End::kSurface}), beside);
+  const LookImage::Pass beside{3600, 3600, 900, Seen::kSurface};
+  const LookImage image = withBeside(ahead({3000, 3000, 900, Seen::kSurface}), beside);
   EXPECT_FALSE(image.passedSince(at(103.1), place, 0.0));
   EXPECT_EQ(image.nextLook(place, 0.0, at(103.7), kPeriod, kLate), at(104.6));
   EXPECT_FALSE(withBeside(ahead({}), beside).passedSince(at(103.1), place, 0.0));

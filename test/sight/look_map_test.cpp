@@ -10,7 +10,6 @@
 namespace tccm {
 namespace {
 
-using End = LookImage::End;
 using Kind = LookImage::Sight::Kind;
 
 Time at(double seconds) { return Time(fromSeconds(seconds)); }
@@ -22,7 +21,7 @@ Vector3 direction(double azimuth, double elevation) {
           std::sin(elevation)};
 }
 
-Look look(double azimuth, double elevation, double range, Look::End what = Look::End::kSurface,
+Look look(double azimuth, double elevation, double range, Seen what = Seen::kSurface,
           const Vector3& viewpoint = kViewpoint) {
   return {viewpoint, viewpoint + range * direction(azimuth, elevation), what};
 }
@@ -40,7 +39,7 @@ TEST(LookMapTest, ALookSpeaksForTheDirectionsAroundIt) {
     for (int column = 0; column < grid.columns(); ++column) {
       const double angle =
           std::acos(std::min(1.0, grid.middle(row, column).dot(direction(0.3, -0.5))));
-      const bool looked = map.image().passes(grid.index(row, column))[0].end != End::kNever;
+      const bool looked = map.image().passes(grid.index(row, column))[0].end != Seen::kNever;
       ASSERT_EQ(looked, angle <= 0.03) << row << " " << column << " " << angle;
       pixels += looked ? 1 : 0;
     }
@@ -90,18 +89,18 @@ TEST(LookMapTest, TheBestLookOfALongPassIsNotOneOfLongAgo) {
 
 TEST(LookMapTest, LooksEndOnSurfacesOnTheRobotAndOnNothing) {
   LookMap map({});
-  map.add(at(1.0), {look(0.0, 0.0, 1.0), look(1.0, 0.0, 4.0, Look::End::kNothing),
-                    look(2.0, 0.0, 0.4, Look::End::kRobot)});
-  EXPECT_EQ(passesAt(map, 0.0, 0.0)[0].end, End::kSurface);
-  EXPECT_EQ(passesAt(map, 1.0, 0.0)[0].end, End::kNothing);
-  EXPECT_EQ(passesAt(map, 2.0, 0.0)[0].end, End::kRobot);
+  map.add(at(1.0), {look(0.0, 0.0, 1.0), look(1.0, 0.0, 4.0, Seen::kNothing),
+                    look(2.0, 0.0, 0.4, Seen::kRobot)});
+  EXPECT_EQ(passesAt(map, 0.0, 0.0)[0].end, Seen::kSurface);
+  EXPECT_EQ(passesAt(map, 1.0, 0.0)[0].end, Seen::kNothing);
+  EXPECT_EQ(passesAt(map, 2.0, 0.0)[0].end, Seen::kRobot);
 }
 
 TEST(LookMapTest, ASensorThatSwingsAboutItsMeanKeepsItsDirections) {
   LookMap map({});
   for (int i = 0; i < 500; ++i) {
     const double tilt = std::sin(0.11 * i);
-    map.add(at(0.03 * i), {look(0.0, -0.5 + 0.4 * tilt, 1.0, Look::End::kSurface,
+    map.add(at(0.03 * i), {look(0.0, -0.5 + 0.4 * tilt, 1.0, Seen::kSurface,
                                 kViewpoint + Vector3(0.008 * tilt, 0.0, 0.0))});
   }
   EXPECT_LT((map.image().viewpoint() - kViewpoint).norm(), 0.012);
@@ -110,9 +109,9 @@ TEST(LookMapTest, ASensorThatSwingsAboutItsMeanKeepsItsDirections) {
 TEST(LookMapTest, WhereTheSensorMovesWhatItSawIsFoundFromThere) {
   LookMap map({});
   const Vector3 surface = kViewpoint + 1.5 * direction(0.4, -0.6);
-  map.add(at(1.0), {{kViewpoint, surface, Look::End::kSurface}});
+  map.add(at(1.0), {{kViewpoint, surface, Seen::kSurface}});
   const Vector3 moved = kViewpoint + Vector3(0.3, 0.2, 0.1);
-  map.add(at(1.05), {look(2.5, 0.0, 1.0, Look::End::kSurface, moved)});
+  map.add(at(1.05), {look(2.5, 0.0, 1.0, Seen::kSurface, moved)});
   EXPECT_EQ(map.image().viewpoint(), moved);
   const Vector3 before = moved + 0.9 * (surface - moved);
   EXPECT_EQ(map.image().at(before, 0.0).kind, Kind::kSeen);
@@ -126,11 +125,11 @@ TEST(LookMapTest, WhereTheHeadHasTurnedTheSensorLooksNoMoreButHasLooked) {
   for (const double way : {0.12, 0.2, 0.35, 1.0}) {
     LookMap map({});
     for (const double stamp : {1.0, 2.0}) {
-      map.add(at(stamp), {{kViewpoint, surface, Look::End::kSurface}});
+      map.add(at(stamp), {{kViewpoint, surface, Seen::kSurface}});
     }
     for (int i = 1; i <= 40; ++i) {
       const Vector3 place = kViewpoint + Vector3(0.0, std::min(way, 0.04 * i), 0.0);
-      map.add(at(2.0 + 0.03 * i), {look(2.5, 0.0, 1.0, Look::End::kSurface, place)});
+      map.add(at(2.0 + 0.03 * i), {look(2.5, 0.0, 1.0, Seen::kSurface, place)});
     }
     const auto looked = map.image().at(surface, 0.05).looked;
     ASSERT_EQ(looked.has_value(), way < 0.25) << way;
@@ -142,19 +141,19 @@ TEST(LookMapTest, WhereTheHeadHasTurnedTheSensorLooksNoMoreButHasLooked) {
 TEST(LookMapTest, MovingThereAndBackManyTimesSpreadsNothing) {
   LookMap map({});
   const Vector3 surface = kViewpoint + 1.5 * direction(0.4, -0.6);
-  map.add(at(1.0), {{kViewpoint, surface, Look::End::kSurface}});
+  map.add(at(1.0), {{kViewpoint, surface, Seen::kSurface}});
   const auto pixels = [&map] {
     int count = 0;
     for (std::size_t p = 0; p < map.image().grid().pixels(); ++p) {
       const auto& pass = map.image().passes(p)[0];
-      count += pass.end != End::kNever && pass.range() > 1.0 ? 1 : 0;
+      count += pass.end != Seen::kNever && pass.range() > 1.0 ? 1 : 0;
     }
     return count;
   };
   const int before = pixels();
   for (int i = 0; i < 40; ++i) {
     const Vector3 place = kViewpoint + Vector3(0.0, i % 2 == 0 ? 0.1 : 0.0, 0.0);
-    map.add(at(1.0 + 0.01 * i), {look(2.5, 0.0, 0.5, Look::End::kSurface, place)});
+    map.add(at(1.0 + 0.01 * i), {look(2.5, 0.0, 0.5, Seen::kSurface, place)});
   }
   EXPECT_LE(std::abs(pixels() - before), 3);
 }
@@ -162,8 +161,8 @@ TEST(LookMapTest, MovingThereAndBackManyTimesSpreadsNothing) {
 TEST(LookMapTest, WhatIsNotFiniteOrAtTheViewpointIsNoLook) {
   LookMap map({});
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  map.add(at(1.0), {{kViewpoint, Vector3::Constant(nan), Look::End::kSurface},
-                    {kViewpoint, kViewpoint, Look::End::kSurface}});
+  map.add(at(1.0), {{kViewpoint, Vector3::Constant(nan), Seen::kSurface},
+                    {kViewpoint, kViewpoint, Seen::kSurface}});
   map.add(at(1.1), {});
   EXPECT_TRUE(map.image().empty());
 }

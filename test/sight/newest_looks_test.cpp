@@ -16,7 +16,7 @@ constexpr std::uint32_t kOutlineScans = 60;
 constexpr double kShort = 0.05;
 const Vector3 kViewpoint(0.1, 0.0, 1.5);
 
-Look looking(const Vector3& at, double range, Look::End what = Look::End::kSurface,
+Look looking(const Vector3& at, double range, Seen what = Seen::kSurface,
              const Vector3& viewpoint = kViewpoint) {
   return {viewpoint, viewpoint + range * (at - viewpoint).normalized(), what};
 }
@@ -39,7 +39,7 @@ TEST(NewestLooksTest, ALookThatEndsOnTheRobotSeesNothingBehindAndHidesNoEarlierO
   const Vector3 place(0.8, 0.3, 0.75);
   NewestLooks looks(kAngle, kOutline);
   looks.add(3, {looking(place, 2.0)}, kOutlineScans);
-  looks.add(5, {looking(place, 2.0, Look::End::kRobot)}, kOutlineScans);
+  looks.add(5, {looking(place, 2.0, Seen::kRobot)}, kOutlineScans);
   EXPECT_TRUE(looks.sawSince(2, place, kViewpoint, kShort));
   EXPECT_FALSE(looks.sawSince(4, place, kViewpoint, kShort));
 }
@@ -56,7 +56,7 @@ class OutlineTest : public testing::Test {
  protected:
   [[nodiscard]] Look passing(double above = 0.01) const { return above_by(above, 2.0); }
   [[nodiscard]] Look robot(double above = 0.03, double share = 0.5) const {
-    return above_by(above, share * distance_, Look::End::kRobot);
+    return above_by(above, share * distance_, Seen::kRobot);
   }
   [[nodiscard]] bool saw(std::uint32_t since = 0) const {
     return looks_.sawSince(since, place_, kViewpoint, kShort);
@@ -70,8 +70,7 @@ class OutlineTest : public testing::Test {
   NewestLooks looks_{kAngle, kOutline};
 
  private:
-  [[nodiscard]] Look above_by(double angle, double range,
-                              Look::End what = Look::End::kSurface) const {
+  [[nodiscard]] Look above_by(double angle, double range, Seen what = Seen::kSurface) const {
     return looking(kViewpoint + Vector3(std::cos(angle), 0.0, std::sin(angle)), range, what);
   }
 };
@@ -129,7 +128,7 @@ std::vector<Look> scanAt(double tilt, double turn) {
     const Vector3 direction(std::cos(azimuth) * std::cos(now), std::sin(azimuth),
                             -std::cos(azimuth) * std::sin(now));
     const Vector3 viewpoint = kViewpoint + 0.02 * Vector3(std::sin(now), 0.0, std::cos(now));
-    looks.push_back({viewpoint, viewpoint + 1.5 * direction, Look::End::kNothing});
+    looks.push_back({viewpoint, viewpoint + 1.5 * direction, Seen::kNothing});
   }
   return looks;
 }
@@ -161,7 +160,7 @@ TEST(NewestLooksTest, NoAnswerIsYesUnlessSomeLookSawThePlaceAndAloneEachLookIsFo
     const Vector3 off = to_place.norm() * random.point(0.03);
     const Vector3 sight = (to_place + off) * random.uniform(0.8, 1.2);
     NewestLooks looks(kAngle, kOutline);
-    looks.add(1, {{viewpoint, viewpoint + sight, Look::End::kSurface}}, kOutlineScans);
+    looks.add(1, {{viewpoint, viewpoint + sight, Seen::kSurface}}, kOutlineScans);
     const double angle = std::atan2(to_place.cross(sight).norm(), to_place.dot(sight));
     const double spare = sight.norm() - (to_place.norm() - kShort);
     if (std::abs(angle - kAngle) < 1e-4 || std::abs(spare) < 1e-4) continue;  // float rounding

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <map>
 
+#include "robot/link_use.h"
 #include "simulation/robot/dual_arm.h"
 
 namespace tccm::simulation {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "map/cuboid_map.h"
 #include "support/placed.h"
 #include "support/random.h"
+#include "tccm_monitor/cuboid_map.h"
 
 namespace tccm::test {
 

@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "geometry/shape.h"
+#include "tccm_monitor/shape.h"
 
 namespace tccm::test {
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <variant>
 
-#include "geometry/shape.h"
+#include "tccm_monitor/shape.h"
 
 namespace tccm::test {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "geometry/ray.h"
-#include "map/cuboid_map.h"
+#include "tccm_monitor/cuboid_map.h"
 
 namespace tccm::test {
 
@@ -32,13 +32,13 @@ inline void lookAround(CuboidMap& map) {
     for (int column = 0; column < grid.columns(); ++column) {
       const Vector3 direction = grid.middle(row, column);
       double range = 60.0;
-      LookImage::End end = LookImage::End::kNothing;
+      Seen end = Seen::kNothing;
       for (const Target& target : targets) {
         if (direction.dot(target.direction) < target.cosine) continue;
         const auto span = intersect(target.box, {map.viewpoint - target.centre, direction});
         if (!span || span->enter >= range) continue;
         range = span->enter;
-        end = LookImage::End::kSurface;
+        end = Seen::kSurface;
       }
       const auto range_mm = static_cast<std::uint16_t>(1e3 * range);
       map.looks.edit(row, column) = {LookImage::Pass{500, 500, range_mm, end},

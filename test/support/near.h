@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "geometry/pose.h"
+#include "tccm_monitor/pose.h"
 
 namespace tccm::test {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <functional>
 
-#include "monitor.h"
+#include "monitor_config.h"
 
 namespace tccm::test {
 

@@ -6,8 +6,8 @@
 #include <ostream>
 #include <vector>
 
-#include "map/cuboid_map.h"
 #include "map/part_map_ring.h"
+#include "tccm_monitor/cuboid_map.h"
 
 namespace tccm::test {
 

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "geometry/shape.h"
+#include "tccm_monitor/shape.h"
 
 namespace tccm::test {
 

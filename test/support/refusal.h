@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "robot/robot_model.h"
 #include "support/error_of.h"
+#include "tccm_monitor/robot_model.h"
 
 namespace tccm::test {
 

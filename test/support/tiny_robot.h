@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "robot/robot_model.h"
+#include "tccm_monitor/robot_model.h"
 
 namespace tccm::test {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "monitor.h"
+#include "monitor_config.h"
 
 namespace tccm::test {
 

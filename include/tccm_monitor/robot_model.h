@@ -9,15 +9,15 @@
 #include <string>
 #include <vector>
 
-#include "config/parameter_table.h"
-#include "fit/primitive_fit.h"
-#include "geometry/shape.h"
-#include "mesh/mesh_file.h"
-#include "robot/link_selector.h"
-#include "robot/link_use.h"
-#include "robot/resources.h"
+#include "tccm_monitor/shape.h"
 
 namespace tccm {
+
+class LinkSelector;
+class ParameterTable;
+struct LinkUse;
+struct LinkUseKeys;
+struct UsedShapes;
 
 /// A primitive fixed to a link.
 struct LinkShape {
@@ -32,7 +32,8 @@ struct LinkElement {
   std::size_t link = 0;  ///< index into RobotModel::links()
   std::string source;    ///< "box", "cylinder", "sphere", "mesh" or "file" (primitives_file)
   std::string uri;       ///< of a mesh
-  MeshScaling scaling;   ///< of a mesh
+  Vector3 mesh_scale = Vector3::Ones();
+  bool mesh_up_axis = false;  ///< Config::apply_mesh_up_axis
   Pose T_link_element = Pose::Identity();
   std::size_t first_shape = 0;  ///< index into RobotModel::shapes()
   std::size_t shapes = 0;
@@ -79,6 +80,29 @@ struct AttachedObject {
   PlacedShape primitive;  ///< in the link's frame
 };
 
+/// What an arm controller is told to do (trajectory_msgs/JointTrajectory without its header).
+struct JointTrajectory {
+  struct Point {
+    double time_s = 0.0;                ///< from the trajectory's start
+    std::vector<double> positions;      ///< [rad or m], one for each name
+    std::vector<double> velocities;     ///< the same, or empty
+    std::vector<double> accelerations;  ///< the same, or empty
+  };
+  std::vector<std::string> names;
+  std::vector<Point> points;
+};
+
+/// What became of a message of joint states.
+struct AddedJoints {
+  std::size_t taken = 0;  ///< positions of joints that matter
+  /// Of those that matter: not finite, beyond 1e6, or not newer than the last.
+  std::size_t refused = 0;
+};
+
+/// The bytes of what a URI, such as package://robot/meshes/arm.stl, stands for.
+/// Throws ConfigError "uri: why" where it cannot be had.
+using ReadResource = std::function<std::string(const std::string& uri)>;
+
 /// Where a model finds what its URDF refers to.
 struct RobotResources {
   ReadResource read;             ///< without it, what refers to files is refused
@@ -96,7 +120,8 @@ struct RobotResources {
 class RobotModel {
  public:
   struct Config {
-    LinkSelector::Groups link_groups;  ///< names for lists of links, to be used in all other lists
+    /// Names for lists of links, to be used in all other lists.
+    std::map<std::string, std::vector<std::string>> link_groups;
     /// Empty: every link that has a shape.
     std::vector<std::string> monitored_links;
     std::vector<std::string> ignored_links;  ///< taken out again
@@ -109,7 +134,7 @@ class RobotModel {
     std::map<std::string, double> fixed_joints;
     /// Path or URI of a file of primitives, which stand for the shapes of the links in it.
     std::string primitives_file;
-    bool apply_mesh_up_axis = false;  ///< as MeshScaling::apply_up_axis
+    bool apply_mesh_up_axis = false;  ///< COLLADA meshes are turned by the up axis they state
     PrimitiveFitConfig fit;
 
     void describe(ParameterTable& table);
@@ -151,7 +176,7 @@ class RobotModel {
   [[nodiscard]] const std::string& cacheDefect() const { return cache_defect_; }
 
   /// @throws ConfigError naming the key where a name or pattern matches no monitored link.
-  [[nodiscard]] UsedShapes shapesFor(const LinkUse& use, const LinkUse::Keys& keys) const;
+  [[nodiscard]] UsedShapes shapesFor(const LinkUse& use, const LinkUseKeys& keys) const;
 
   /// The same robot with something in its hand. Joints, links and variables keep their indices.
   /// @throws ConfigError where the link is not among links(), or the primitive is not valid or

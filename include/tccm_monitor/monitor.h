@@ -1,33 +1,31 @@
 #pragma once
 
-#include <array>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "check/checker_config.h"
-#include "map/mapper.h"
-#include "map/place_ages.h"
-#include "scan/scan_stage.h"
+#include "tccm_monitor/checker.h"
+#include "tccm_monitor/laser_scan.h"
 
 namespace tccm {
+
+class BodySampler;
+class Mapper;
+struct AssembledScan;
+struct ScanReturns;
 
 /// The whole way joined, time passed in: scan -> points -> map -> verdict. What the offline
 /// programs drive; the nodelets drive the same stages, with messages between them.
 class Monitor {
  public:
-  struct Config {
-    ScanStage::Config scan;
-    Mapper::Config mapper;
-    Checker::Config checker;
-  };
+  struct Config;  ///< loadMonitor() reads it from a file
 
   struct ScanOutcome {
     /// Why nothing was mapped: no_transform, no_joint_states, malformed, blind, out_of_order,
     /// bad_viewpoint; empty where the scan is in the map.
     std::string dropped;
     BeamCounts beams{};
-    IntegrationMap::Added added;
+    AddedReturns added;
     double assemble_us = 0.0;
     double integrate_us = 0.0;  ///< addition and expiry
     double snapshot_us = 0.0;
@@ -36,14 +34,13 @@ class Monitor {
   /// @param model nothing: the surroundings are mapped, and nothing is checked.
   /// @throws ConfigError
   Monitor(const Config& config, std::shared_ptr<const RobotModel> model);
+  Monitor(Monitor&& other) noexcept;
+  ~Monitor();
 
-  [[nodiscard]] bool hasRobot() const { return checker_ != nullptr; }
+  [[nodiscard]] bool hasRobot() const;
   /// @pre hasRobot()
-  [[nodiscard]] Checker& checker() { return *checker_; }
-  [[nodiscard]] const Checker& checker() const { return *checker_; }
-  /// Nothing where no robot is filtered out.
-  [[nodiscard]] const BodySampler* body() const { return scan_.body(); }
-  [[nodiscard]] const Mapper& mapper() const { return mapper_; }
+  [[nodiscard]] Checker& checker();
+  [[nodiscard]] const Checker& checker() const;
 
   /// To the self filter and to the checker.
   void addJoints(Time now, Time stamp, const std::vector<std::string>& names,
@@ -67,24 +64,27 @@ class Monitor {
   bool detach(const std::string& object);
   /// As at the start: after time has jumped back. Serials go on.
   void reset();
-  /// The last scan that was assembled, also where the mapper dropped it.
-  [[nodiscard]] const AssembledScan& assembled() const { return scan_.scan(); }
-  /// The points of the last scan.
-  [[nodiscard]] const ScanReturns& returns() const { return returns_; }
   /// The map after the last scan; none before the first.
-  [[nodiscard]] const CuboidMap* map() const { return maps_[newest_].get(); }
+  [[nodiscard]] const CuboidMap* map() const;
+
+  // For this package's own reports and pictures.
+  /// Nothing where no robot is filtered out.
+  [[nodiscard]] const BodySampler* body() const;
+  [[nodiscard]] const Mapper& mapper() const;
+  /// The last scan that was assembled, also where the mapper dropped it.
+  [[nodiscard]] const AssembledScan& assembled() const;
+  /// The points of the last scan.
+  [[nodiscard]] const ScanReturns& returns() const;
 
  private:
-  /// A snapshot for the checker, which may hold the one before.
-  void publishMap(Time now);
-
-  ScanStage scan_;
-  Mapper mapper_;
-  PlaceAges ages_;
-  std::unique_ptr<Checker> checker_;
-  ScanReturns returns_;
-  std::array<std::shared_ptr<CuboidMap>, 2> maps_;  ///< the checker holds one while the other fills
-  std::size_t newest_ = 0;
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
 };
+
+/// @param config path of a YAML file (docs/parameters.md); empty: all defaults.
+/// @param urdf the robot's description itself; empty: the surroundings are mapped, and nothing is
+/// checked. @throws ConfigError, also for a key that nothing reads.
+[[nodiscard]] Monitor loadMonitor(const std::string& config, const std::string& urdf,
+                                  const RobotResources& resources = {});
 
 }  // namespace tccm

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "geometry/pose.h"
+#include "tccm_monitor/pose.h"
 
 namespace tccm {
 

@@ -5,9 +5,11 @@
 #include <variant>
 #include <vector>
 
-#include "geometry/pose.h"
+#include "tccm_monitor/pose.h"
 
 namespace tccm {
+
+class ParameterTable;
 
 /// Centred on its frame's origin. Metres, as are all lengths here.
 struct Box {
@@ -37,6 +39,20 @@ using Shape = std::variant<Box, Cylinder, Capsule, Sphere>;
 struct PlacedShape {
   Shape shape;
   Pose pose = Pose::Identity();  ///< T_frame_shape
+};
+
+/// How meshes are covered by primitives.
+struct PrimitiveFitConfig {
+  int primitives_max = 4;  ///< for one mesh, at most 16
+  /// A further primitive has to take this share away of the primitives' volume times the cube root
+  /// of their overhang: it is worth its cost where it leaves less air, or air that reaches less
+  /// far.
+  double split_gain = 0.1;
+  /// Primitives are larger by this, so that rounding leaves nothing outside.
+  double margin_m = 1e-5;
+
+  void describe(ParameterTable& table);
+  void validate() const;  ///< margin_m, which is no parameter
 };
 
 using UprightBox = Eigen::AlignedBox3d;

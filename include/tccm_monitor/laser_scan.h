@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -38,5 +40,6 @@ enum class BeamKind : std::uint8_t {
   kShadow,      ///< behind the edge of the robot's body (Fig. 12 right)
 };
 constexpr std::size_t kBeamKinds = 7;
+using BeamCounts = std::array<std::size_t, kBeamKinds>;  ///< indexed by BeamKind
 
 }  // namespace tccm

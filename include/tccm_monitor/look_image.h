@@ -6,10 +6,19 @@
 #include <optional>
 #include <vector>
 
-#include "geometry/direction_grid.h"
+#include "tccm_monitor/direction_grid.h"
 #include "tccm_monitor/time.h"
 
 namespace tccm {
+
+/// What a look along a direction ended at: up to there nothing stood.
+enum class Seen : std::uint8_t {
+  kNever = 0,    ///< nobody looked
+  kSurface = 1,  ///< of the surroundings
+  kNothing = 2,  ///< as far as the sensor can see
+  kRobot = 3,    ///< the robot itself: what lies behind it is not known
+  kUnclear = 4,  ///< no range, or none that is to be trusted: the direction alone is known
+};
 
 /// Which directions the sensor looked in lately, and how far it saw: for each direction its last
 /// passes. A pass is one time that scans went over a direction, be it in one scan or, near a
@@ -18,18 +27,11 @@ class LookImage {
  public:
   /// Milliseconds since the epoch.
   using Ticks = std::uint32_t;
-  enum class End : std::uint8_t {
-    kNever = 0,    ///< no such pass
-    kSurface = 1,  ///< of the surroundings
-    kNothing = 2,  ///< as far as the sensor can see
-    kRobot = 3,    ///< the robot itself: what lies behind it is not known
-    kUnclear = 4,  ///< no look in the pass gave a range that is to be trusted
-  };
   struct Pass {
     Ticks first = 0;  ///< stamp of the first scan of the pass
     Ticks last = 0;   ///< and of the last so far
     std::uint16_t range_mm = 0;
-    End end = End::kNever;
+    Seen end = Seen::kNever;
     /// Found from where the sensor is now, it was looked at from elsewhere, further away than a
     /// head that turns moves it: this direction may not be one that the sensor looks in.
     bool moved = false;
