@@ -25,7 +25,7 @@ catkin_package(
   CATKIN_DEPENDS geometry_msgs message_runtime sensor_msgs std_msgs trajectory_msgs
   DEPENDS EIGEN3)
 
-install(DIRECTORY launch config rviz DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
+install(DIRECTORY launch config docs rviz DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 install(FILES nodelets.xml README.md LICENSE CHANGELOG.rst
   DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 catkin_install_python(PROGRAMS scripts/demo_report scripts/draw_primitives scripts/draw_trials

@@ -1,0 +1,76 @@
+"""Projects that depend on this one build and run: beside its build, on its install, without ROS."""
+
+import os
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+HERE = pathlib.Path(__file__).resolve().parent
+REPOSITORY = HERE.parent.parent
+BUILD = pathlib.Path(os.environ.get("TCCM_BUILD", REPOSITORY / "build"))
+SAID = ["0.00 s: stop: INIT", "1.36 s: go: CLEAR", "3.00 s: stop: COLLISION ball touches the map"]
+
+
+def run(*command):
+    done = subprocess.run([str(part) for part in command], text=True, check=False,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    if done.returncode:
+        raise AssertionError(f"{' '.join(map(str, command))}:\n{done.stdout[-3000:]}")
+    return done.stdout
+
+
+@unittest.skipUnless((BUILD / "CMakeCache.txt").exists(), "needs the build folder in TCCM_BUILD")
+class DownstreamTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def build(self, project, prefix):
+        out = self.folder / "downstream"
+        run("cmake", "-S", HERE / project, "-B", out, f"-DCMAKE_PREFIX_PATH={prefix}")
+        run("make", "-C", out)
+        return out
+
+    def assert_watches(self, program):
+        lines = run(program).splitlines()
+        self.assertEqual(len(lines), len(SAID), lines)
+        for line, said in zip(lines, SAID):
+            self.assertTrue(line.startswith(said), line)
+
+    def assert_package_works(self, prefix):
+        programs = self.build("catkin_package", prefix) / "devel/lib/watch_a_ball"
+        self.assertEqual(run(programs / "permission_is_a_message"), "stop\n")
+        self.assert_watches(programs / "watch_a_ball")
+
+    def test_a_package_beside_this_one(self):
+        self.assert_package_works(BUILD / "devel")
+
+    def test_a_package_on_the_installed_one(self):
+        run("cmake", "--install", BUILD, "--prefix", self.folder / "install")
+        self.assert_package_works(self.folder / "install")
+
+    def test_a_project_without_ros_on_the_core_alone(self):
+        core, installed = BUILD / "core_alone", self.folder / "install"
+        run("cmake", "-S", REPOSITORY, "-B", core, "-DTCCM_MONITOR_ROS=OFF", "-DBUILD_TESTING=OFF")
+        run("make", "-C", core, f"-j{os.cpu_count()}")
+        run("cmake", "--install", core, "--prefix", installed)
+        self.assert_watches(self.build("cmake_project", installed) / "watch_a_ball")
+
+    def test_public_headers_need_nothing_beside_them(self):
+        headers = sorted((REPOSITORY / "include/tccm_monitor").glob("*.h"))
+        self.assertTrue(0 < len(headers) <= 12, len(headers))
+        for header in headers:
+            with self.subTest(header=header.name):
+                for line in header.read_text().splitlines():
+                    if line.startswith('#include "'):
+                        self.assertTrue(line.startswith('#include "tccm_monitor/'), line)
+
+    def test_the_page_of_the_library_shows_the_program(self):
+        page = (REPOSITORY / "docs/cpp_api.md").read_text()
+        self.assertIn((HERE / "watch_a_ball.cpp").read_text(), page)
+
+
+if __name__ == "__main__":
+    unittest.main()
