@@ -9,6 +9,7 @@ import unittest
 HERE = pathlib.Path(__file__).resolve().parent
 REPOSITORY = HERE.parent.parent
 BUILD = pathlib.Path(os.environ.get("TCCM_BUILD", REPOSITORY / "build"))
+DEVEL = pathlib.Path(os.environ.get("TCCM_DEVEL", BUILD / "devel"))
 SAID = ["0.00 s: stop: INIT", "1.36 s: go: CLEAR", "3.00 s: stop: COLLISION ball touches the map"]
 
 
@@ -45,7 +46,7 @@ class DownstreamTest(unittest.TestCase):
         self.assert_watches(programs / "watch_a_ball")
 
     def test_a_package_beside_this_one(self):
-        self.assert_package_works(BUILD / "devel")
+        self.assert_package_works(DEVEL)
 
     def test_a_package_on_the_installed_one(self):
         run("cmake", "--install", BUILD, "--prefix", self.folder / "install")

@@ -206,7 +206,7 @@ class OnBadInput(EvaluateTest):
         self.assertRefuses("no readable bag", "--bag", config)
         self.assertRefuses("no messages on scan topic '/scan'; the bag has: /tilt_scan", "--bag", bag)
         self.assertRefuses("cannot read the URDF", "--bag", bag, "--config", config, "--urdf", "none")
-        self.assertRefuses("not a valid URDF", "--bag", bag, "--config", config, "--urdf", config)
+        self.assertRefuses("it is no XML", "--bag", bag, "--config", config, "--urdf", config)
         self.assertRefuses("none.yaml", "--bag", bag, "--config", "none.yaml")
         self.assertRefuses("cannot write", "--bag", bag, "--config", config, "--dump-points",
                            self.path("none/points.csv"))
