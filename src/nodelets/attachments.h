@@ -65,13 +65,6 @@ class Attachments {
   using Objects = std::vector<tccm_monitor::AttachedObject>;
   static constexpr double kMapWaitMax = 0.5;  // [s] of wall time
 
-  /// Now, but never that of the last list: simulated time may stand still between two calls.
-  static ros::Time stampAfter(const ros::Time& last) {
-    const ros::Time now = ros::Time::now();
-    const bool jumped_back = now + ros::Duration(1.0) < last;
-    return now > last || jumped_back ? now : last + ros::Duration(0, 1);
-  }
-
   bool attach(tccm_monitor::AttachObject::Request& request,
               tccm_monitor::AttachObject::Response& response) {
     tccm_monitor::AttachedObject message;
@@ -135,7 +128,10 @@ class Attachments {
 
   void publish() {
     list_.header.frame_id = withoutSlash(config_.fixed_frame);
-    list_.header.stamp = stampAfter(list_.header.stamp);
+    // Never that of the last list: simulated time may stand still between two calls.
+    const ros::Time now = ros::Time::now(), last = list_.header.stamp;
+    const bool jumped_back = now + ros::Duration(1.0) < last;
+    list_.header.stamp = now > last || jumped_back ? now : last + ros::Duration(0, 1);
     publisher_.publish(list_);
   }
 

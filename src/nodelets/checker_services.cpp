@@ -10,7 +10,7 @@ namespace {
 constexpr const char* kNoTimeYet = "simulated time has not begun";
 
 std::uint8_t resultOf(Reason reason) {
-  using Response = tccm_monitor::CheckState::Response;  // those of CheckTrajectory are the same
+  using Response = CheckState::Response;  // those of CheckTrajectory are the same
   switch (reason) {
     case Reason::kClear:
       return Response::FREE;
@@ -47,15 +47,14 @@ bool CollisionChecker::respond(Response& response, Ask&& ask) {
   return true;
 }
 
-bool CollisionChecker::checkState(tccm_monitor::CheckState::Request& request,
-                                  tccm_monitor::CheckState::Response& response) {
+bool CollisionChecker::checkState(CheckState::Request& request, CheckState::Response& response) {
   return respond(response, [&](Time now) {
     return checker_->checkState(now, request.state.name, request.state.position).cause;
   });
 }
 
-bool CollisionChecker::checkTrajectory(tccm_monitor::CheckTrajectory::Request& request,
-                                       tccm_monitor::CheckTrajectory::Response& response) {
+bool CollisionChecker::checkTrajectory(CheckTrajectory::Request& request,
+                                       CheckTrajectory::Response& response) {
   response.index = -1;
   return respond(response, [&](Time now) {
     const TrajectoryAnswer found = checker_->checkTrajectory(now, fromMessage(request.trajectory));
@@ -72,13 +71,13 @@ bool CollisionChecker::checkTrajectory(tccm_monitor::CheckTrajectory::Request& r
   });
 }
 
-bool CollisionChecker::addExemption(tccm_monitor::AddExemption::Request& request,
-                                    tccm_monitor::AddExemption::Response& response) {
+bool CollisionChecker::addExemption(AddExemption::Request& request,
+                                    AddExemption::Response& response) {
   const ros::Time now = ros::Time::now();
   try {
     if (now.isZero()) throw ConfigError(kNoTimeYet);
-    const PlacedShape region = fromMessage(request.region, "region");
-    checker_->addExemption(toTime(now), {request.owner, request.link, region, {}},
+    checker_->addExemption(toTime(now),
+                           {request.owner, request.link, fromMessage(request.region, "region"), {}},
                            request.duration.toSec());
     response.success = true;
     response.until = now + request.duration;

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <pluginlib/class_list_macros.hpp>
+#include <utility>
 
 #include "base/stopwatch.h"
 #include "nodelets/markers.h"
@@ -50,23 +51,6 @@ void CollisionChecker::setUp() {
   becomeFault(Reason::kInit, "nothing was checked yet");
   transforms_ =
       std::make_unique<TransformHistory>(fromSeconds(config_.checker.inputs.transform_timeout_s));
-  advertise();
-  inputs_ = hearTransforms(node, *transforms_, [this] { receiveTransforms(); });
-  inputs_.push_back(hear("cuboid_map", 10, &CollisionChecker::receiveMap));
-  inputs_.push_back(hear("scan_report", 50, &CollisionChecker::receiveReport));
-  inputs_.push_back(hear("joint_states", 200, &CollisionChecker::receiveJoints));
-  inputs_.push_back(hear("trajectory", 20, &CollisionChecker::receiveTrajectory));
-  publish_timer_ = timer(1.0 / config_.publish_rate_hz, [this] {
-    checker_->inputs().setClockStalls(clockStalls());
-    attachments_->hurry();
-    check();
-    publish();
-  });
-  picture_timer_ = timer(1.0 / config_.marker_rate_hz, [this] { publishPictures(); });
-}
-
-void CollisionChecker::advertise() {
-  ros::NodeHandle& node = getNodeHandle();
   permission_publisher_ = node.advertise<tccm_monitor::MotionPermission>("motion_permission", 10);
   stop_publisher_ = node.advertise<std_msgs::Bool>("stop", 10);
   collision_publisher_ = node.advertise<std_msgs::Bool>("collision", 10);
@@ -86,6 +70,18 @@ void CollisionChecker::advertise() {
                node.advertiseService("add_exemption", &CollisionChecker::addExemption, this),
                node.advertiseService("reset", &CollisionChecker::reset, this)};
   tuning_ = std::make_unique<Tuning>(getPrivateNodeHandle(), config_, *checker_);
+  inputs_ = hearTransforms(node, *transforms_, [this] { receiveTransforms(); });
+  inputs_.push_back(hear("cuboid_map", 10, &CollisionChecker::receiveMap));
+  inputs_.push_back(hear("scan_report", 50, &CollisionChecker::receiveReport));
+  inputs_.push_back(hear("joint_states", 200, &CollisionChecker::receiveJoints));
+  inputs_.push_back(hear("trajectory", 20, &CollisionChecker::receiveTrajectory));
+  publish_timer_ = timer(1.0 / config_.publish_rate_hz, [this] {
+    checker_->inputs().setClockStalls(clockStalls());
+    attachments_->hurry();
+    check();
+    publish();
+  });
+  picture_timer_ = timer(1.0 / config_.marker_rate_hz, [this] { publishPictures(); });
 }
 
 void CollisionChecker::receiveMap(const tccm_monitor::CuboidMap::ConstPtr& message) {
@@ -137,19 +133,18 @@ void CollisionChecker::receiveTrajectory(
 }
 
 void CollisionChecker::receiveTransforms() {
-  const RobotModel& model = *checker_->model();
-  for (std::size_t i = 0; i < model.roots().size(); ++i) {
-    const auto root =
-        transforms_->newest(withoutSlash(config_.fixed_frame), model.links()[model.roots()[i]]);
+  const std::vector<std::string> roots = checker_->model()->rootLinks();
+  for (std::size_t i = 0; i < roots.size(); ++i) {
+    const auto root = transforms_->newest(withoutSlash(config_.fixed_frame), roots[i]);
     if (root) checker_->setRootPose(i, root->stamp, root->pose, root->is_static);
   }
 }
 
 void CollisionChecker::placeRootsInFixedFrame() {
   // Where fixed frame and a root are one, no transform has to be heard.
-  const RobotModel& model = *checker_->model();
-  for (std::size_t i = 0; i < model.roots().size(); ++i) {
-    if (model.links()[model.roots()[i]] != withoutSlash(config_.fixed_frame)) continue;
+  const std::vector<std::string> roots = checker_->model()->rootLinks();
+  for (std::size_t i = 0; i < roots.size(); ++i) {
+    if (roots[i] != withoutSlash(config_.fixed_frame)) continue;
     checker_->setRootPose(i, Time(), Pose::Identity(), true);
   }
 }
@@ -208,7 +203,6 @@ void CollisionChecker::checkNow(const ros::Time& now) {
     seen_serial_ = verdict_->serial;
     latencies_.scan_to_verdict_s = toSeconds(verdict_->stamp - checker_->map()->stamp);
   }
-  tellOnce();
 }
 
 void CollisionChecker::noteLatency() {
@@ -223,6 +217,10 @@ void CollisionChecker::noteLatency() {
 }
 
 void CollisionChecker::tellChange(const Verdict& verdict) {
+  const std::string& defect = checker_->inputs().jointStates().velocityDefect();
+  if (!defect.empty() && !std::exchange(told_velocity_, true)) {
+    NODELET_WARN("Velocities are taken from positions where they are larger: %s.", defect.c_str());
+  }
   if (told_ == verdict.reason) return;
   told_ = verdict.reason;
   const std::string what = verdict.level == Level::kOk
@@ -233,14 +231,6 @@ void CollisionChecker::tellChange(const Verdict& verdict) {
     NODELET_WARN("%s.", what.c_str());
   } else {
     NODELET_INFO("%s.", what.c_str());
-  }
-}
-
-void CollisionChecker::tellOnce() {
-  const std::string& defect = checker_->inputs().jointStates().velocityDefect();
-  if (!told_velocity_ && !defect.empty()) {
-    told_velocity_ = true;
-    NODELET_WARN("Velocities are taken from positions where they are larger: %s.", defect.c_str());
   }
 }
 
@@ -310,10 +300,9 @@ void CollisionChecker::publishCheckedMap() {
 
 void CollisionChecker::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
-  const Level level = verdict_->level;
-  status.summary(level == Level::kOk      ? DiagnosticStatus::OK
-                 : level == Level::kFault ? DiagnosticStatus::ERROR
-                                          : DiagnosticStatus::WARN,
+  const std::uint8_t levels[] = {DiagnosticStatus::OK, DiagnosticStatus::WARN,
+                                 DiagnosticStatus::WARN, DiagnosticStatus::ERROR};
+  status.summary(levels[static_cast<std::size_t>(verdict_->level)],
                  std::string(tccm::name(verdict_->reason)) + " " + verdict_->detail);
   status.add("speed scale", verdict_->speed_scale);
   status.add("checks", checks_);

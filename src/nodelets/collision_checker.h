@@ -24,6 +24,10 @@
 
 namespace tccm {
 
+using tccm_monitor::AddExemption;
+using tccm_monitor::CheckState;
+using tccm_monitor::CheckTrajectory;
+
 /// Nodelet: `cuboid_map`, `scan_report`, `joint_states`, `trajectory` and tf in;
 /// `motion_permission`, flags and `monitor_status` out, from a timer whatever comes in, and at once
 /// with each new map and when it gets worse.
@@ -41,7 +45,6 @@ class CollisionChecker : public DiagnosedNodelet {
   };
 
   void setUp() override;
-  void advertise();
   void receiveMap(const tccm_monitor::CuboidMap::ConstPtr& message);
   void receiveReport(const tccm_monitor::ScanReport::ConstPtr& message);
   void receiveJoints(const sensor_msgs::JointState::ConstPtr& message);
@@ -55,12 +58,9 @@ class CollisionChecker : public DiagnosedNodelet {
   /// Answers a question where time has begun. @param ask (Time now) -> Cause.
   template <typename Response, typename Ask>
   bool respond(Response& response, Ask&& ask);
-  bool checkState(tccm_monitor::CheckState::Request& request,
-                  tccm_monitor::CheckState::Response& response);
-  bool checkTrajectory(tccm_monitor::CheckTrajectory::Request& request,
-                       tccm_monitor::CheckTrajectory::Response& response);
-  bool addExemption(tccm_monitor::AddExemption::Request& request,
-                    tccm_monitor::AddExemption::Response& response);
+  bool checkState(CheckState::Request& request, CheckState::Response& response);
+  bool checkTrajectory(CheckTrajectory::Request& request, CheckTrajectory::Response& response);
+  bool addExemption(AddExemption::Request& request, AddExemption::Response& response);
   bool reset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   /// What the core cannot know.
   [[nodiscard]] Cause outsideCause() const;
@@ -73,7 +73,6 @@ class CollisionChecker : public DiagnosedNodelet {
   /// Whether simulated time stands still, so that nothing can grow old by it.
   [[nodiscard]] bool clockStalls();
   void tellChange(const Verdict& verdict);
-  void tellOnce();
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) override;
   void diagnoseEvidence(diagnostic_updater::DiagnosticStatusWrapper& status) const;
 

@@ -5,13 +5,38 @@
 #include <nodelet/nodelet.h>
 #include <ros/ros.h>
 
+#include <atomic>
+#include <boost/make_shared.hpp>
+#include <boost/shared_ptr.hpp>
 #include <limits>
 #include <list>
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace tccm {
+
+/// Messages to be published by pointer, used again once every subscriber has let go of them: after
+/// a while nothing is allocated any more.
+template <typename Message>
+class MessagePool {
+ public:
+  /// A message that nobody else holds, with the content of an earlier use.
+  boost::shared_ptr<Message> take() {
+    for (const auto& message : messages_) {
+      if (!message.unique()) continue;
+      // Whoever let go of it last may have read it in another thread.
+      std::atomic_thread_fence(std::memory_order_acquire);
+      return message;
+    }
+    messages_.push_back(boost::make_shared<Message>());
+    return messages_.back();
+  }
+
+ private:
+  std::vector<boost::shared_ptr<Message>> messages_;
+};
 
 /// What the nodelets have in common. All callbacks of one run one after the other.
 class DiagnosedNodelet : public nodelet::Nodelet {

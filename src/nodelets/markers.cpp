@@ -153,20 +153,19 @@ ColorRGBA colorOf(Level level) {
 
 /// Speed scale, the unseen share of the way ahead, and how near the nearest link is.
 std::string numbersOf(const Verdict& verdict, const RobotModel& model) {
-  char text[120];
-  std::snprintf(text, sizeof text, "speed %.0f %%", 100.0 * verdict.speed_scale);
-  std::string numbers = text;
+  char speed[40], unseen[40] = "", clear[120] = "";
+  std::snprintf(speed, sizeof speed, "speed %.0f %%", 100.0 * verdict.speed_scale);
   if (verdict.unseen_fraction > 0.0) {
-    std::snprintf(text, sizeof text, ", %.0f %% unseen", 100.0 * verdict.unseen_fraction);
-    numbers += text;
+    std::snprintf(unseen, sizeof unseen, ", %.0f %% unseen", 100.0 * verdict.unseen_fraction);
   }
   const auto nearest =
       std::min_element(verdict.clearances.begin(), verdict.clearances.end(),
                        [](const auto& a, const auto& b) { return a.distance_m < b.distance_m; });
-  if (nearest == verdict.clearances.end() || std::isinf(nearest->distance_m)) return numbers;
-  std::snprintf(text, sizeof text, "\n%.60s %.0f mm clear", model.links()[nearest->link].c_str(),
-                1e3 * nearest->distance_m);
-  return numbers + text;
+  if (nearest != verdict.clearances.end() && !std::isinf(nearest->distance_m)) {
+    std::snprintf(clear, sizeof clear, "\n%.60s %.0f mm clear",
+                  model.links()[nearest->link].c_str(), 1e3 * nearest->distance_m);
+  }
+  return std::string(speed) + unseen + clear;
 }
 
 /// Above the robot, wherever it is.

@@ -1,6 +1,5 @@
 #include "nodelets/status_conversions.h"
 
-#include <algorithm>
 #include <limits>
 
 #include "ros/conversions.h"

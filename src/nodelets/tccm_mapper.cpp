@@ -12,7 +12,6 @@
 
 #include "nodelets/diagnosed_nodelet.h"
 #include "nodelets/markers.h"
-#include "nodelets/message_pool.h"
 #include "ros/conversions.h"
 #include "ros/server_config.h"
 #include "tccm_monitor/config_error.h"

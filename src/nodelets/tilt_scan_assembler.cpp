@@ -10,7 +10,6 @@
 
 #include "nodelets/diagnosed_nodelet.h"
 #include "nodelets/markers.h"
-#include "nodelets/message_pool.h"
 #include "ros/conversions.h"
 #include "ros/scan_source.h"
 #include "ros/server_config.h"
@@ -100,8 +99,7 @@ class TiltScanAssembler : public DiagnosedNodelet {
     ++assembled_;
     tccm_monitor::ScanReport assembled = reportOf(counts, ready.scan.ranges.size());
     assembled.header.stamp = toRos(ready.scan.stamp);
-    assembled.ready_wall.sec = ready_wall.sec;
-    assembled.ready_wall.nsec = ready_wall.nsec;
+    assembled.ready_wall = ros::Time(ready_wall.sec, ready_wall.nsec);
     assembled.transform_wait_s = static_cast<float>(toSeconds(toTime(now) - ready.arrival));
     report(assembled);
     const auto cloud = clouds_.take();

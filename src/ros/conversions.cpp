@@ -70,17 +70,13 @@ std::string findFields(const sensor_msgs::PointCloud2& message,
 
 ros::Time toRos(Time time) {
   constexpr Duration kLast = std::chrono::seconds(std::numeric_limits<std::uint32_t>::max());
-  ros::Time result;
-  result.fromNSec(static_cast<std::uint64_t>(
+  return ros::Time().fromNSec(static_cast<std::uint64_t>(
       std::clamp(time.time_since_epoch(), Duration::zero(), kLast).count()));
-  return result;
 }
 
 ros::Duration toRos(Duration duration) {
   constexpr Duration kLongest = std::chrono::seconds(std::numeric_limits<std::int32_t>::max());
-  ros::Duration result;
-  result.fromNSec(std::clamp(duration, -kLongest, kLongest).count());
-  return result;
+  return ros::Duration().fromNSec(std::clamp(duration, -kLongest, kLongest).count());
 }
 
 LaserScan fromMessage(const sensor_msgs::LaserScan& message) {

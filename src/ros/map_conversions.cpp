@@ -49,13 +49,10 @@ void toMessage(const LookImage& looks, tccm_monitor::Looks& message) {
   }
 }
 
+/// @throws ConfigError where the resolution is not allowed.
 std::string fromMessage(const tccm_monitor::Looks& message, LookImage& looks) {
   if (!(std::abs(message.resolution - looks.grid().resolution()) < 1e-9)) {
-    try {
-      looks = LookImage(message.resolution);
-    } catch (const ConfigError& error) {
-      return error.what();
-    }
+    looks = LookImage(message.resolution);
   }
   const Vector3 viewpoint(message.viewpoint.x, message.viewpoint.y, message.viewpoint.z);
   if (!viewpoint.allFinite()) return "the viewpoint of its looks is not finite";
@@ -147,33 +144,33 @@ std::string fromMessage(const tccm_monitor::CuboidMap& message, CuboidMap& map) 
   try {
     const Grid grid(gridOf(message));
     if (!(grid == map.grid)) map.grid = grid;
+    if (map.grid.cellsX() != message.cells_x || map.grid.cellsY() != message.cells_y) {
+      return "its cells do not fit its area";
+    }
+    if (!(message.thickness > 0.0) ||
+        !(message.thickness / message.height_quantum <= std::numeric_limits<Height>::max())) {
+      return "its thickness is none";
+    }
+    map.stamp = toTime(message.header.stamp);
+    map.serial = message.serial;
+    map.window_scans = message.window_scans;
+    map.window = Duration(message.window.toNSec());
+    map.complete = message.complete;
+    map.overflowed = message.overflowed;
+    map.tilt_stopped = message.tilt_stopped;
+    map.look_period = Duration(message.look_period.toNSec());
+    if (map.look_period < Duration::zero()) return "its look_period is negative";
+    map.thickness = map.grid.heightOf(message.thickness);
+    map.viewpoint = {message.viewpoint.x, message.viewpoint.y, message.viewpoint.z};
+    if (!map.viewpoint.allFinite()) return "its viewpoint is not finite";
+    std::string defect = fromMessage(message.looks, map.looks);
+    if (!defect.empty()) return defect;
+    defect = fromMessages(message.cuboids, map);
+    if (defect.empty()) indexCells(map);
+    return defect;
   } catch (const ConfigError& error) {
     return error.what();
   }
-  if (map.grid.cellsX() != message.cells_x || map.grid.cellsY() != message.cells_y) {
-    return "its cells do not fit its area";
-  }
-  if (!(message.thickness > 0.0) ||
-      !(message.thickness / message.height_quantum <= std::numeric_limits<Height>::max())) {
-    return "its thickness is none";
-  }
-  map.stamp = toTime(message.header.stamp);
-  map.serial = message.serial;
-  map.window_scans = message.window_scans;
-  map.window = Duration(message.window.toNSec());
-  map.complete = message.complete;
-  map.overflowed = message.overflowed;
-  map.tilt_stopped = message.tilt_stopped;
-  map.look_period = Duration(message.look_period.toNSec());
-  if (map.look_period < Duration::zero()) return "its look_period is negative";
-  map.thickness = map.grid.heightOf(message.thickness);
-  map.viewpoint = {message.viewpoint.x, message.viewpoint.y, message.viewpoint.z};
-  if (!map.viewpoint.allFinite()) return "its viewpoint is not finite";
-  std::string defect = fromMessage(message.looks, map.looks);
-  if (!defect.empty()) return defect;
-  defect = fromMessages(message.cuboids, map);
-  if (defect.empty()) indexCells(map);
-  return defect;
 }
 
 }  // namespace tccm

@@ -94,8 +94,7 @@ class ResourceReader {
   }
 
   std::string readFromPackage(const std::string& rest) {
-    const std::size_t slash = rest.find('/');
-    const std::string package = rest.substr(0, slash);
+    const std::string package = rest.substr(0, rest.find('/'));
     const std::size_t begin = rest.find_first_not_of('/', package.size());
     if (package.empty() || begin == std::string::npos) {
       throw ConfigError("package:// has to be followed by a package and a file in it");

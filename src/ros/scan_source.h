@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "geometry/pose.h"
 #include "monitor_config.h"
 #include "robot/joint_states.h"
 #include "ros/transform_history.h"

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "ros/conversions.h"
 
@@ -66,27 +65,26 @@ void TransformHistory::clear() {
   for (auto& entry : frames_) entry.second.stamps.clear();
 }
 
-std::vector<const TransformHistory::Frame*> TransformHistory::chainOf(
+std::vector<const TransformHistory::Frame*> TransformHistory::movingFrames(
     const std::string& frame) const {
-  std::vector<const Frame*> chain;
-  for (auto it = frames_.find(frame); it != frames_.end() && chain.size() < kLongestChain;
-       it = frames_.find(it->second.parent)) {
-    chain.push_back(&it->second);
+  std::vector<const Frame*> moving;
+  auto above = frames_.find(frame);
+  for (std::size_t i = 0; above != frames_.end() && i < kLongestChain; ++i) {
+    if (!above->second.is_static) moving.push_back(&above->second);
+    above = frames_.find(above->second.parent);
   }
-  return chain;
+  return moving;
 }
 
 std::vector<const TransformHistory::Frame*> TransformHistory::movingFrames(
     const std::string& target, const std::string& source) const {
-  std::vector<const Frame*> way = chainOf(target), from_source = chainOf(source);
+  std::vector<const Frame*> way = movingFrames(target), from_source = movingFrames(source);
   // What both share lies above their common ancestor and takes no part.
   while (!way.empty() && !from_source.empty() && way.back() == from_source.back()) {
     way.pop_back();
     from_source.pop_back();
   }
   way.insert(way.end(), from_source.begin(), from_source.end());
-  way.erase(std::remove_if(way.begin(), way.end(), [](const Frame* f) { return f->is_static; }),
-            way.end());
   return way;
 }
 

@@ -66,9 +66,9 @@ class TransformHistory {
     bool is_static = false;
     std::deque<Time> stamps;  ///< ascending; none where it is static
   };
-  /// A frame and those above it, but the root of their tree.
-  [[nodiscard]] std::vector<const Frame*> chainOf(const std::string& frame) const;
-  /// Those on the way from one to the other that are not static.
+  /// Of a frame and those above it those that are not static.
+  [[nodiscard]] std::vector<const Frame*> movingFrames(const std::string& frame) const;
+  /// Those on the way from one to the other.
   [[nodiscard]] std::vector<const Frame*> movingFrames(const std::string& target,
                                                        const std::string& source) const;
   [[nodiscard]] Status around(const std::deque<Time>& stamps, Time stamp) const;
