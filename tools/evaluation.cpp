@@ -10,7 +10,6 @@ namespace tccm {
 namespace {
 
 constexpr Duration kJumpMin = std::chrono::seconds(1);  // less is jitter between messages
-constexpr Duration kTransformsKept = std::chrono::seconds(10);
 
 }  // namespace
 
@@ -21,8 +20,7 @@ Evaluation::Evaluation(const MonitorConfig& settings, std::shared_ptr<const Robo
       fixed_frame_(withoutSlash(settings.assembler.fixed_frame)),
       root_frames_(monitor_.hasRobot() ? monitor_.checker().model()->rootLinks()
                                        : std::vector<std::string>()),
-      buffer_(toRos(kTransformsKept)),
-      transforms_(buffer_, fromSeconds(settings.assembler.transform_gap_max_s), kTransformsKept),
+      transforms_(fromSeconds(settings.assembler.transform_gap_max_s)),
       source_(settings.assembler, monitor_.body() ? root_frames_ : std::vector<std::string>(),
               transforms_) {
   source_.onDrop([this](Time stamp, const std::string& reason) {

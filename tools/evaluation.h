@@ -2,7 +2,6 @@
 
 #include <sensor_msgs/JointState.h>
 #include <sensor_msgs/LaserScan.h>
-#include <tf2/buffer_core.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include <cstddef>
@@ -136,7 +135,6 @@ class Evaluation {
   Observer observer_;
   std::string fixed_frame_;
   std::vector<std::string> root_frames_;  ///< none without a robot
-  tf2::BufferCore buffer_;
   TransformHistory transforms_;
   std::set<std::string> frames_;
   ScanSource source_;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <sstream>
 
 #include "tccm_monitor/config_error.h"
 
@@ -16,22 +17,17 @@ std::string flowText(const YAML::Node& node) {
   return emitter.c_str();
 }
 
-/// What a member takes, for errors.
-struct TypeName {
-  const char* operator()(const bool*) const { return "true or false"; }
-  const char* operator()(const int*) const { return "a whole number"; }
-  const char* operator()(const std::size_t*) const { return "a whole number of at least 0"; }
-  const char* operator()(const double*) const { return "a number"; }
-  const char* operator()(const std::optional<double>*) const { return "a number"; }
-  const char* operator()(const std::string*) const { return "a text"; }
-  const char* operator()(const ParameterTable::Names*) const { return "a list of texts"; }
-  const char* operator()(const std::map<std::string, double>*) const {
-    return "a map of names and numbers";
-  }
-  const char* operator()(const std::map<std::string, ParameterTable::Names>*) const {
-    return "a map of names and lists of texts";
-  }
-};
+/// What a member takes, for errors; in the order of the types of Member.
+constexpr const char* kTypeNames[] = {"true or false",
+                                      "a whole number",
+                                      "a whole number of at least 0",
+                                      "a number",
+                                      "a number",
+                                      "a text",
+                                      "a list of texts",
+                                      "a map of names and numbers",
+                                      "a map of names and lists of texts"};
+static_assert(std::size(kTypeNames) == std::variant_size_v<ParameterTable::Member>);
 
 struct Take {
   const YAML::Node& node;
@@ -42,16 +38,17 @@ struct Take {
   void operator()(std::optional<double>* member) const { *member = node.as<double>(); }
 };
 
-struct NumberOf {
+struct RequireRange {
+  const ParameterTable::Row& row;
+  void operator()(const std::optional<double>* member) const {
+    if (*member) (*this)(&**member);
+  }
   template <typename T>
-  std::optional<double> operator()(const T* member) const {
+  void operator()(const T* member) const {
     if constexpr (std::is_arithmetic_v<T>) {
-      return static_cast<double>(*member);
-    } else {
-      return std::nullopt;
+      requireInRange(row.key, static_cast<double>(*member), row.range.lowest, row.range.highest);
     }
   }
-  std::optional<double> operator()(const std::optional<double>* member) const { return *member; }
 };
 
 std::string numberText(double value) {
@@ -61,9 +58,10 @@ std::string numberText(double value) {
 }
 
 struct Text {
-  std::string operator()(const bool* value) const { return *value ? "true" : "false"; }
-  std::string operator()(const int* value) const { return std::to_string(*value); }
-  std::string operator()(const std::size_t* value) const { return std::to_string(*value); }
+  template <typename T>
+  std::string operator()(const T* value) const {
+    return flowText(YAML::Node(*value));
+  }
   std::string operator()(const double* value) const {
     const std::string text = numberText(*value);
     return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
@@ -74,14 +72,6 @@ struct Text {
   std::string operator()(const std::string* value) const {
     return value->empty() ? "\"\"" : *value;
   }
-  template <typename Container>
-  std::string operator()(const Container* value) const {
-    const bool is_list = std::is_same_v<Container, ParameterTable::Names>;
-    if (value->empty()) return is_list ? "[]" : "{}";
-    YAML::Node node;
-    node = *value;
-    return flowText(node);
-  }
 };
 
 std::string rangeText(const ParameterTable::Row& row) {
@@ -90,6 +80,14 @@ std::string rangeText(const ParameterTable::Row& row) {
 }
 
 }  // namespace
+
+void requireInRange(const std::string& key, double value, double lowest, double highest) {
+  if (value >= lowest && value <= highest) return;  // false for NaN
+  std::ostringstream message;
+  message << key << ": " << value << " is outside the allowed range [" << lowest << ", " << highest
+          << "]";
+  throw ConfigError(message.str());
+}
 
 std::string textOf(const ParameterTable::Member& member) { return std::visit(Text(), member); }
 
@@ -106,7 +104,7 @@ ParameterTable::Names ParameterTable::load(const YAML::Node& node, const std::st
     try {
       std::visit(Take{value}, row.member);
     } catch (const YAML::Exception&) {
-      refuse(row.key, value, std::visit(TypeName(), row.member));
+      refuse(row.key, value, kTypeNames[row.member.index()]);
     }
   }
   for (const List& list : lists_) {
@@ -134,10 +132,7 @@ ParameterTable::Names ParameterTable::load(const YAML::Node& node, const std::st
 }
 
 void ParameterTable::requireRanges() const {
-  for (const Row& row : rows_) {
-    const auto number = std::visit(NumberOf(), row.member);
-    if (number) requireInRange(row.key, *number, row.range.lowest, row.range.highest);
-  }
+  for (const Row& row : rows_) std::visit(RequireRange{row}, row.member);
 }
 
 std::string ParameterTable::yaml() const {

@@ -1,16 +1,19 @@
 #include "nodelets/collision_checker.h"
 
 #include <sensor_msgs/Image.h>
+#include <std_msgs/Bool.h>
+#include <std_msgs/Float64.h>
+#include <tccm_monitor/MotionPermission.h>
 #include <visualization_msgs/MarkerArray.h>
 
 #include <algorithm>
 #include <pluginlib/class_list_macros.hpp>
+#include <utility>
 
 #include "base/stopwatch.h"
 #include "nodelets/markers.h"
 #include "nodelets/status_conversions.h"
 #include "ros/conversions.h"
-#include "ros/robot_description.h"
 #include "ros/server_config.h"
 
 namespace tccm {
@@ -22,11 +25,18 @@ constexpr double kLatencyForgotten = 0.99;  // kept of the longest latency at ea
 
 ScanReport fromMessage(const tccm_monitor::ScanReport& message) {
   using Outcome = ScanReport::Outcome;
-  const Outcome outcome = message.outcome == tccm_monitor::ScanReport::WAITING ? Outcome::kWaiting
-                          : message.outcome == tccm_monitor::ScanReport::ASSEMBLED
-                              ? Outcome::kAssembled
-                              : Outcome::kDropped;
+  Outcome outcome = Outcome::kDropped;
+  if (message.outcome == tccm_monitor::ScanReport::WAITING) outcome = Outcome::kWaiting;
+  if (message.outcome == tccm_monitor::ScanReport::ASSEMBLED) outcome = Outcome::kAssembled;
   return {toTime(message.header.stamp), outcome, message.dropped};
+}
+
+/// A std_msgs/Bool or Float64.
+template <typename Message, typename Value>
+void publishValue(const ros::Publisher& publisher, Value value) {
+  Message message;
+  message.data = value;
+  publisher.publish(message);
 }
 
 }  // namespace
@@ -38,14 +48,33 @@ void CollisionChecker::setUp() {
   checker_ = std::make_unique<Checker>(sharedRobotModel(node), config_.checker);
   NODELET_INFO("Self-test passed: a cuboid in any of %zu primitives is found.",
                checker_->checkHere().collisionBody().shapes.size());
-  attachments_ = std::make_unique<Attachments>(node, config_, *checker_);
-  services_ = std::make_unique<CheckerServices>(
-      node, *checker_, [this] { checker_->setOutsideCause(outsideCause()); });
-  for (auto& map : maps_) map = std::make_shared<CuboidMap>();
   becomeFault(Reason::kInit, "nothing was checked yet");
-  advertise();
-  subscribe();
-  tuning_ = std::make_unique<Tuning>(getPrivateNodeHandle(), getName(), config_, *checker_);
+  transforms_ =
+      std::make_unique<TransformHistory>(fromSeconds(config_.checker.inputs.transform_timeout_s));
+  permission_publisher_ = node.advertise<tccm_monitor::MotionPermission>("motion_permission", 10);
+  stop_publisher_ = node.advertise<std_msgs::Bool>("stop", 10);
+  collision_publisher_ = node.advertise<std_msgs::Bool>("collision", 10);
+  occlusion_publisher_ = node.advertise<std_msgs::Bool>("occlusion", 10);
+  scale_publisher_ = node.advertise<std_msgs::Float64>("speed_scale", 10);
+  status_publisher_ = node.advertise<tccm_monitor::MonitorStatus>("monitor_status", 10);
+  marker_publisher_ = node.advertise<visualization_msgs::MarkerArray>("robot_markers", 2);
+  image_publisher_ = node.advertise<sensor_msgs::Image>("occlusion_image", 2);
+  checked_map_publisher_ = node.advertise<tccm_monitor::CuboidMap>("checked_map", 2);
+  const CheckInputs::Config& limits = config_.checker.inputs;
+  joints_rate_ = watch("joint_states", limits.joint_timeout_s, limits.future_max_s);
+  scan_rate_ = watch("scan", limits.map_age_max_s, limits.future_max_s);
+  map_rate_ = watch("cuboid_map", limits.map_age_max_s, limits.future_max_s);
+  attachments_ = std::make_unique<Attachments>(node, config_, *checker_);
+  services_ = {node.advertiseService("check_state", &CollisionChecker::checkState, this),
+               node.advertiseService("check_trajectory", &CollisionChecker::checkTrajectory, this),
+               node.advertiseService("add_exemption", &CollisionChecker::addExemption, this),
+               node.advertiseService("reset", &CollisionChecker::reset, this)};
+  tuning_ = std::make_unique<Tuning>(getPrivateNodeHandle(), config_, *checker_);
+  inputs_ = hearTransforms(node, *transforms_, [this] { receiveTransforms(); });
+  inputs_.push_back(hear("cuboid_map", 10, &CollisionChecker::receiveMap));
+  inputs_.push_back(hear("scan_report", 50, &CollisionChecker::receiveReport));
+  inputs_.push_back(hear("joint_states", 200, &CollisionChecker::receiveJoints));
+  inputs_.push_back(hear("trajectory", 20, &CollisionChecker::receiveTrajectory));
   publish_timer_ = timer(1.0 / config_.publish_rate_hz, [this] {
     checker_->inputs().setClockStalls(clockStalls());
     attachments_->hurry();
@@ -55,56 +84,22 @@ void CollisionChecker::setUp() {
   picture_timer_ = timer(1.0 / config_.marker_rate_hz, [this] { publishPictures(); });
 }
 
-void CollisionChecker::advertise() {
-  ros::NodeHandle& node = getNodeHandle();
-  const ros::Duration valid_for(config_.permission_valid_periods / config_.publish_rate_hz);
-  permission_ = std::make_unique<PermissionPublisher>(node, config_.fixed_frame, valid_for);
-  status_publisher_ = node.advertise<tccm_monitor::MonitorStatus>("monitor_status", 10);
-  marker_publisher_ = node.advertise<visualization_msgs::MarkerArray>("robot_markers", 2);
-  image_publisher_ = node.advertise<sensor_msgs::Image>("occlusion_image", 2);
-  checked_map_publisher_ = node.advertise<tccm_monitor::CuboidMap>("checked_map", 2);
-  const CheckInputs::Config& limits = config_.checker.inputs;
-  const auto watch = [&](const std::string& topic, double age_max_s) {
-    return std::make_unique<InputDiagnostics>(diagnostics(), topic, 1.0 / age_max_s, age_max_s,
-                                              limits.future_max_s);
-  };
-  joints_rate_ = watch("joint_states", limits.joint_timeout_s);
-  scan_rate_ = watch("scan", limits.map_age_max_s);
-  map_rate_ = watch("cuboid_map", limits.map_age_max_s);
-}
-
-void CollisionChecker::subscribe() {
-  ros::NodeHandle& node = getNodeHandle();
-  transforms_ = std::make_unique<TransformListener>(
-      node, fromSeconds(config_.checker.inputs.transform_timeout_s),
-      [this] { receiveTransforms(); });
-  const auto hints = ros::TransportHints().tcpNoDelay();
-  map_subscriber_ = node.subscribe("cuboid_map", 10, &CollisionChecker::receiveMap, this, hints);
-  report_subscriber_ =
-      node.subscribe("scan_report", 50, &CollisionChecker::receiveReport, this, hints);
-  joints_subscriber_ =
-      node.subscribe("joint_states", 200, &CollisionChecker::receiveJoints, this, hints);
-  trajectory_subscriber_ =
-      node.subscribe("trajectory", 20, &CollisionChecker::receiveTrajectory, this, hints);
-}
-
 void CollisionChecker::receiveMap(const tccm_monitor::CuboidMap::ConstPtr& message) {
-  newest_map_ = 1 - newest_map_;
-  map_defect_ = tccm::fromMessage(*message, *maps_[newest_map_]);
+  map_defect_ = tccm::fromMessage(*message, *spare_map_);
   if (map_defect_.empty() &&
       withoutSlash(message->header.frame_id) != withoutSlash(config_.fixed_frame)) {
     map_defect_ = "its frame is '" + message->header.frame_id + "', fixed_frame is '" +
                   config_.fixed_frame + "'";
   }
   if (!map_defect_.empty()) {
-    newest_map_ = 1 - newest_map_;
     ++maps_dropped_;
     NODELET_ERROR_THROTTLE(5.0, "A cuboid_map was dropped: %s.", map_defect_.c_str());
     return;
   }
+  map_.swap(spare_map_);
   map_message_ = message;
   map_rate_->tick(message->header.stamp);
-  checker_->setMap(toTime(ros::Time::now()), maps_[newest_map_]);
+  checker_->setMap(toTime(ros::Time::now()), map_);
   attachments_->mapCame(message->attached_stamp,
                         toRos(toTime(message->header.stamp) - Duration(message->window.toNSec())));
   check();
@@ -138,20 +133,18 @@ void CollisionChecker::receiveTrajectory(
 }
 
 void CollisionChecker::receiveTransforms() {
-  if (!checker_ || !transforms_) return;
-  const RobotModel& model = *checker_->model();
-  for (std::size_t i = 0; i < model.roots().size(); ++i) {
-    const auto root = transforms_->history().newest(withoutSlash(config_.fixed_frame),
-                                                    model.links()[model.roots()[i]]);
+  const std::vector<std::string> roots = checker_->model()->rootLinks();
+  for (std::size_t i = 0; i < roots.size(); ++i) {
+    const auto root = transforms_->newest(withoutSlash(config_.fixed_frame), roots[i]);
     if (root) checker_->setRootPose(i, root->stamp, root->pose, root->is_static);
   }
 }
 
 void CollisionChecker::placeRootsInFixedFrame() {
   // Where fixed frame and a root are one, no transform has to be heard.
-  const RobotModel& model = *checker_->model();
-  for (std::size_t i = 0; i < model.roots().size(); ++i) {
-    if (model.links()[model.roots()[i]] != withoutSlash(config_.fixed_frame)) continue;
+  const std::vector<std::string> roots = checker_->model()->rootLinks();
+  for (std::size_t i = 0; i < roots.size(); ++i) {
+    if (roots[i] != withoutSlash(config_.fixed_frame)) continue;
     checker_->setRootPose(i, Time(), Pose::Identity(), true);
   }
 }
@@ -210,7 +203,6 @@ void CollisionChecker::checkNow(const ros::Time& now) {
     seen_serial_ = verdict_->serial;
     latencies_.scan_to_verdict_s = toSeconds(verdict_->stamp - checker_->map()->stamp);
   }
-  tellOnce();
 }
 
 void CollisionChecker::noteLatency() {
@@ -225,31 +217,20 @@ void CollisionChecker::noteLatency() {
 }
 
 void CollisionChecker::tellChange(const Verdict& verdict) {
-  if (told_anything_ && verdict.reason == told_) return;
-  told_anything_ = true;
-  told_ = verdict.reason;
-  const char* reason = tccm::name(verdict.reason);
-  switch (verdict.level) {
-    case Level::kOk:
-      NODELET_INFO("OK: the robot may move.");
-      break;
-    case Level::kSlow:
-      NODELET_INFO("SLOW %s: %s.", reason, verdict.detail.c_str());
-      break;
-    case Level::kStop:
-      NODELET_WARN("STOP %s: %s.", reason, verdict.detail.c_str());
-      break;
-    case Level::kFault:
-      NODELET_WARN("FAULT %s: %s.", reason, verdict.detail.c_str());
-      break;
-  }
-}
-
-void CollisionChecker::tellOnce() {
   const std::string& defect = checker_->inputs().jointStates().velocityDefect();
-  if (!told_velocity_ && !defect.empty()) {
-    told_velocity_ = true;
+  if (!defect.empty() && !std::exchange(told_velocity_, true)) {
     NODELET_WARN("Velocities are taken from positions where they are larger: %s.", defect.c_str());
+  }
+  if (told_ == verdict.reason) return;
+  told_ = verdict.reason;
+  const std::string what = verdict.level == Level::kOk
+                               ? "OK: the robot may move"
+                               : std::string(tccm::name(verdict.level)) + " " +
+                                     tccm::name(verdict.reason) + ": " + verdict.detail;
+  if (verdict.level >= Level::kStop) {
+    NODELET_WARN("%s.", what.c_str());
+  } else {
+    NODELET_INFO("%s.", what.c_str());
   }
 }
 
@@ -263,13 +244,24 @@ bool CollisionChecker::clockStalls() {
 
 void CollisionChecker::publishPermission() {
   published_ = verdict_->level;
-  permission_->publish(*verdict_, ros::Time::now());
+  const ros::Time now = ros::Time::now();
+  tccm_monitor::MotionPermission permission = permissionOf(*verdict_);
+  permission.header.frame_id = withoutSlash(config_.fixed_frame);
+  permission.header.stamp = now;
+  permission.sequence = ++permissions_;
+  permission.valid_until =
+      now + ros::Duration(config_.permission_valid_periods / config_.publish_rate_hz);
+  permission_publisher_.publish(permission);
+  publishValue<std_msgs::Bool>(stop_publisher_, verdict_->stop);
+  // What is not known is not clear.
+  publishValue<std_msgs::Bool>(collision_publisher_, !verdict_->known || verdict_->collision);
+  publishValue<std_msgs::Bool>(occlusion_publisher_, !verdict_->known || verdict_->occlusion);
+  publishValue<std_msgs::Float64>(scale_publisher_, permission.speed_scale);
 }
 
 void CollisionChecker::publish() {
   publishPermission();
-  tccm_monitor::MonitorStatus status;
-  toMessage(*verdict_, *checker_, status);
+  tccm_monitor::MonitorStatus status = statusOf(*verdict_, *checker_);
   status.header.frame_id = withoutSlash(config_.fixed_frame);
   status.scan_to_verdict_s = static_cast<float>(latencies_.scan_to_verdict_s);
   status.transform_wait_s = static_cast<float>(latencies_.transform_wait_s);
@@ -282,13 +274,10 @@ void CollisionChecker::publishPictures() {
   if (verdict_ == &fault_) return;
   publishCheckedMap();
   if (marker_publisher_.getNumSubscribers() > 0) {
-    visualization_msgs::MarkerArray markers;
-    toMarkers(*verdict_, *checker_, withoutSlash(config_.fixed_frame), markers);
-    marker_publisher_.publish(markers);
+    marker_publisher_.publish(toMarkers(*verdict_, *checker_, withoutSlash(config_.fixed_frame)));
   }
   if (image_publisher_.getNumSubscribers() > 0 && verdict_->placed) {
-    sensor_msgs::Image image;
-    toImage(checker_->checkHere().occlusion().picture(), image);
+    sensor_msgs::Image image = toImage(checker_->checkHere().occlusion().picture());
     image.header.stamp = toRos(verdict_->stamp);
     image.header.frame_id = withoutSlash(config_.fixed_frame);
     image_publisher_.publish(image);
@@ -299,16 +288,9 @@ void CollisionChecker::publishCheckedMap() {
   if (checked_map_publisher_.getNumSubscribers() == 0 || !map_message_ || !verdict_->placed) return;
   if (map_message_->serial != verdict_->serial) return;  // its cuboids are numbered otherwise
   tccm_monitor::CuboidMap map = *map_message_;
-  for (const PoseFindings* found : {&verdict_->ahead, &verdict_->now}) {
-    for (const std::uint32_t cuboid : found->occluding_cuboids) {
-      map.cuboids[cuboid].col = tccm_monitor::Cuboid::OCCLUSION;
-    }
-  }
-  // Of both, collision is the graver.
-  for (const PoseFindings* found : {&verdict_->ahead, &verdict_->now}) {
-    for (const Contact& contact : found->contacts) {
-      map.cuboids[contact.cuboid].col = tccm_monitor::Cuboid::COLLISION;
-    }
+  for (const auto& [cuboid, col] : flaggedBy(*verdict_)) {
+    std::uint8_t& known = map.cuboids[cuboid].col;
+    if (known != tccm_monitor::Cuboid::COLLISION) known = col;  // of both, the graver
   }
   if (verdict_->first_contact && !verdict_->first_contact->by_margin) {
     map.cuboids[verdict_->first_contact->contact.cuboid].col = tccm_monitor::Cuboid::COLLISION;
@@ -318,10 +300,9 @@ void CollisionChecker::publishCheckedMap() {
 
 void CollisionChecker::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
-  const Level level = verdict_->level;
-  status.summary(level == Level::kOk      ? DiagnosticStatus::OK
-                 : level == Level::kFault ? DiagnosticStatus::ERROR
-                                          : DiagnosticStatus::WARN,
+  const std::uint8_t levels[] = {DiagnosticStatus::OK, DiagnosticStatus::WARN,
+                                 DiagnosticStatus::WARN, DiagnosticStatus::ERROR};
+  status.summary(levels[static_cast<std::size_t>(verdict_->level)],
                  std::string(tccm::name(verdict_->reason)) + " " + verdict_->detail);
   status.add("speed scale", verdict_->speed_scale);
   status.add("checks", checks_);

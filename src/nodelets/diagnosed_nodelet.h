@@ -1,13 +1,42 @@
 #pragma once
 
 #include <diagnostic_updater/diagnostic_updater.h>
+#include <diagnostic_updater/publisher.h>
 #include <nodelet/nodelet.h>
 #include <ros/ros.h>
 
+#include <atomic>
+#include <boost/make_shared.hpp>
+#include <boost/shared_ptr.hpp>
+#include <limits>
+#include <list>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace tccm {
+
+/// Messages to be published by pointer, used again once every subscriber has let go of them: after
+/// a while nothing is allocated any more.
+template <typename Message>
+class MessagePool {
+ public:
+  /// A message that nobody else holds, with the content of an earlier use.
+  boost::shared_ptr<Message> take() {
+    for (const auto& message : messages_) {
+      if (!message.unique()) continue;
+      // Whoever let go of it last may have read it in another thread.
+      std::atomic_thread_fence(std::memory_order_acquire);
+      return message;
+    }
+    messages_.push_back(boost::make_shared<Message>());
+    return messages_.back();
+  }
+
+ private:
+  std::vector<boost::shared_ptr<Message>> messages_;
+};
 
 /// What the nodelets have in common. All callbacks of one run one after the other.
 class DiagnosedNodelet : public nodelet::Nodelet {
@@ -15,15 +44,17 @@ class DiagnosedNodelet : public nodelet::Nodelet {
   /// @param what the diagnostics are about.
   explicit DiagnosedNodelet(std::string what) : what_(std::move(what)) {}
 
-  /// What it throws is logged as one line and thrown on, so that the nodelet manager does not load
-  /// the nodelet and lives on. Whatever may be refused comes before the first topic or service: the
-  /// manager deletes the queues of callbacks before the nodelet, whose publishers would use them.
+  /// First what may be refused, then what is published and answered, last what is heard: the
+  /// manager deletes the callback queues of a nodelet that refuses to start before the nodelet,
+  /// whose publishers and servers would still use them; and what is heard may come at once.
+  /// What it throws is logged as one line and thrown on: the nodelet is not loaded, and its manager
+  /// lives on.
   virtual void setUp() = 0;
   virtual void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) = 0;
   /// Twice a second.
   virtual void nowAndThen() {}
 
-  /// @pre the configuration was read: what refuses to start must not have advertised anything.
+  /// Advertises them: after what may be refused.
   [[nodiscard]] diagnostic_updater::Updater& diagnostics() {
     if (!diagnostics_) {
       diagnostics_ = std::make_unique<diagnostic_updater::Updater>(
@@ -33,9 +64,26 @@ class DiagnosedNodelet : public nodelet::Nodelet {
     }
     return *diagnostics_;
   }
+  /// Rate and age of an input's messages (REP 107), to be told of each. Older is an error, as are
+  /// fewer than one in age_max_s, and a stamp that leads by more than future_max_s.
+  [[nodiscard]] std::unique_ptr<diagnostic_updater::TopicDiagnostic> watch(const std::string& topic,
+                                                                           double age_max_s,
+                                                                           double future_max_s) {
+    double& rate_min_hz = rates_min_hz_.emplace_back(1.0 / age_max_s);
+    return std::make_unique<diagnostic_updater::TopicDiagnostic>(
+        topic, diagnostics(),
+        diagnostic_updater::FrequencyStatusParam(&rate_min_hz, &rate_max_hz_, 0.0),
+        diagnostic_updater::TimeStampStatusParam(-future_max_s, age_max_s));
+  }
+  template <typename Message, typename Derived>
+  [[nodiscard]] ros::Subscriber hear(const std::string& topic, std::uint32_t queue,
+                                     void (Derived::*receive)(const Message&)) {
+    return getNodeHandle().subscribe(topic, queue, receive, static_cast<Derived*>(this),
+                                     ros::TransportHints().tcpNoDelay());
+  }
   /// By wall time, also where simulated time stands still.
   template <typename Callback>
-  ros::WallTimer timer(double period_s, Callback callback) {
+  [[nodiscard]] ros::WallTimer timer(double period_s, Callback callback) {
     return getNodeHandle().createWallTimer(ros::WallDuration(period_s),
                                            [callback](const ros::WallTimerEvent&) { callback(); });
   }
@@ -55,6 +103,8 @@ class DiagnosedNodelet : public nodelet::Nodelet {
   }
 
   std::string what_;
+  std::list<double> rates_min_hz_;  ///< of what is watched, where they stay
+  double rate_max_hz_ = std::numeric_limits<double>::infinity();
   std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
   ros::WallTimer diagnostics_timer_;
 };

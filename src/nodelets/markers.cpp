@@ -8,13 +8,13 @@
 #include <cmath>
 #include <cstdio>
 
+#include "nodelets/status_conversions.h"
 #include "ros/conversions.h"
 
 namespace tccm {
 namespace {
 
 using std_msgs::ColorRGBA;
-using visualization_msgs::Marker;
 
 ColorRGBA color(float r, float g, float b, float a = 1.0F) {
   ColorRGBA c;
@@ -25,12 +25,11 @@ ColorRGBA color(float r, float g, float b, float a = 1.0F) {
   return c;
 }
 
-ColorRGBA shaded(const ColorRGBA& c, float brightness) {
-  return color(c.r * brightness, c.g * brightness, c.b * brightness, c.a);
-}
-
 ColorRGBA magenta(float alpha) { return color(1.0F, 0.0F, 0.8F, alpha); }
 ColorRGBA blue(float alpha) { return color(0.2F, 0.4F, 1.0F, alpha); }
+ColorRGBA grey(float alpha) { return color(0.75F, 0.75F, 0.8F, alpha); }
+ColorRGBA orange(float alpha) { return color(1.0F, 0.55F, 0.1F, alpha); }
+ColorRGBA yellow() { return color(1.0F, 0.8F, 0.2F); }
 
 ColorRGBA colorOf(const tccm_monitor::Cuboid& cuboid, int static_windows) {
   if (cuboid.held) return color(0.6F, 0.5F, 0.75F, 0.55F);
@@ -38,16 +37,8 @@ ColorRGBA colorOf(const tccm_monitor::Cuboid& cuboid, int static_windows) {
                                                                   : color(0.9F, 0.25F, 0.15F);
 }
 
-geometry_msgs::Point point(double x, double y, double z) {
-  geometry_msgs::Point p;
-  p.x = x;
-  p.y = y;
-  p.z = z;
-  return p;
-}
-
-/// One face of a cuboid: its corners as bits x, y, z, counterclockwise seen from outside, and how
-/// bright it is, so that shapes show without lights.
+/// One face of a cuboid: its corners as Eigen numbers them, counterclockwise seen from outside, and
+/// how bright it is, so that shapes show without lights.
 struct Face {
   std::array<unsigned, 4> corners;
   float brightness;
@@ -70,53 +61,76 @@ UprightBox boxOf(const tccm_monitor::CuboidMap& map, const tccm_monitor::Cuboid&
 
 void addCuboid(const UprightBox& box, const ColorRGBA& base, Marker& marker) {
   for (const Face& face : kFaces) {
-    const ColorRGBA c = shaded(base, face.brightness);
+    const float brightness = face.brightness;
     for (const unsigned k : {0U, 1U, 2U, 0U, 2U, 3U}) {
-      const unsigned corner = face.corners[k];
-      marker.points.push_back(point((corner & 1U ? box.max() : box.min()).x(),
-                                    (corner & 2U ? box.max() : box.min()).y(),
-                                    (corner & 4U ? box.max() : box.min()).z()));
-      marker.colors.push_back(c);
+      const auto corner = static_cast<UprightBox::CornerType>(face.corners[k]);
+      marker.points.push_back(tf2::toMsg(box.corner(corner)));
+      marker.colors.push_back(
+          color(base.r * brightness, base.g * brightness, base.b * brightness, base.a));
     }
   }
 }
 
-/// Appends the markers of one primitive.
-class ShapeMarkers {
+/// Appends markers that fade where they are not renewed.
+class MarkerList {
  public:
-  ShapeMarkers(Marker prototype, const Pose& pose, std::vector<Marker>& markers)
-      : prototype_(std::move(prototype)), pose_(pose), markers_(markers) {}
-
-  void operator()(const Box& box) { add(Marker::CUBE, Pose::Identity(), 2.0 * box.half_extents); }
-  void operator()(const Cylinder& c) {
-    add(Marker::CYLINDER, Pose::Identity(), {2.0 * c.radius, 2.0 * c.radius, 2.0 * c.half_length});
+  MarkerList(const std::string& frame, Time stamp) {
+    prototype_.header.frame_id = frame;
+    prototype_.header.stamp = toRos(stamp);
+    prototype_.pose.orientation.w = 1.0;
+    prototype_.lifetime = ros::Duration(1.0);
   }
-  void operator()(const Capsule& c) {
-    (*this)(Cylinder{c.radius, c.half_length});
-    for (const double z : {-c.half_length, c.half_length}) {
-      add(Marker::SPHERE, Pose(Eigen::Translation3d(0.0, 0.0, z)),
-          Vector3::Constant(2.0 * c.radius));
+
+  [[nodiscard]] MarkerArray take() { return std::move(list_); }
+
+  /// The reference is valid until the next is added.
+  Marker& add(const std::string& name, int type, const Vector3& scale, const ColorRGBA& color) {
+    Marker& marker = list_.markers.emplace_back(prototype_);
+    marker.ns = name;
+    marker.type = type;
+    tf2::toMsg(scale, marker.scale);
+    marker.color = color;
+    return marker;
+  }
+  /// One of several of a name.
+  Marker& addNumbered(const std::string& name, int type, const Vector3& scale,
+                      const ColorRGBA& color) {
+    Marker& marker = add(name, type, scale, color);
+    marker.id = static_cast<int>(list_.markers.size()) - 1;
+    return marker;
+  }
+  void add(const std::string& name, const Shape& shape, const Pose& pose, const ColorRGBA& color) {
+    const auto addPart = [&](int type, double z, const Vector3& scale) {
+      const Pose T_shape_part(Eigen::Translation3d(0.0, 0.0, z));
+      addNumbered(name, type, scale, color).pose = tf2::toMsg(pose * T_shape_part);
+    };
+    const auto addTube = [&](double radius, double half_length) {
+      addPart(Marker::CYLINDER, 0.0, 2.0 * Vector3(radius, radius, half_length));
+    };
+    if (const auto* box = std::get_if<Box>(&shape)) {
+      addPart(Marker::CUBE, 0.0, 2.0 * box->half_extents);
+    } else if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
+      addTube(cylinder->radius, cylinder->half_length);
+    } else if (const auto* capsule = std::get_if<Capsule>(&shape)) {
+      addTube(capsule->radius, capsule->half_length);
+      for (const double z : {-capsule->half_length, capsule->half_length}) {
+        addPart(Marker::SPHERE, z, Vector3::Constant(2.0 * capsule->radius));
+      }
+    } else if (const auto* sphere = std::get_if<Sphere>(&shape)) {
+      addPart(Marker::SPHERE, 0.0, Vector3::Constant(2.0 * sphere->radius));
     }
   }
-  void operator()(const Sphere& s) {
-    add(Marker::SPHERE, Pose::Identity(), Vector3::Constant(2.0 * s.radius));
+  /// All of a body in one colour, paddings included.
+  void add(const std::string& name, const Body& body, const ColorRGBA& color) {
+    for (std::size_t i = 0; i < body.shapes.size(); ++i) {
+      const double padding_m = body.paddings_m.empty() ? 0.0 : body.paddings_m[i];
+      add(name, expanded(body.shapes[i], {1.0, padding_m}), body.poses[i], color);
+    }
   }
 
  private:
-  void add(int type, const Pose& T_shape_part, const Vector3& scale) {
-    Marker marker = prototype_;
-    marker.type = type;
-    marker.id = static_cast<int>(markers_.size());
-    marker.pose = tf2::toMsg(pose_ * T_shape_part);
-    marker.scale.x = scale.x();
-    marker.scale.y = scale.y();
-    marker.scale.z = scale.z();
-    markers_.push_back(marker);
-  }
-
   Marker prototype_;
-  Pose pose_;
-  std::vector<Marker>& markers_;
+  MarkerArray list_;
 };
 
 ColorRGBA colorOf(std::size_t shape, const PoseFindings& findings, const Checker& checker,
@@ -129,177 +143,110 @@ ColorRGBA colorOf(std::size_t shape, const PoseFindings& findings, const Checker
       findings.links.begin(), findings.links.end(), [&](const LinkVisibility& visibility) {
         return visibility.link == link && checker.checkHere().isOccluded(visibility);
       });
-  return hidden ? blue(alpha) : color(0.75F, 0.75F, 0.8F, alpha);
-}
-
-void addBody(const PoseFindings& findings, const PoseCheck& check, const Checker& checker,
-             Marker prototype, float alpha, visualization_msgs::MarkerArray& markers) {
-  const auto& [shapes, body] = check.collisionBody();
-  for (std::size_t i = 0; i < body.shapes.size(); ++i) {
-    prototype.color = colorOf(shapes[i], findings, checker, alpha);
-    std::visit(ShapeMarkers(prototype, body.poses[i], markers.markers), body.shapes[i]);
-  }
-}
-
-/// All of a body in one colour.
-void addBody(const Body& body, Marker prototype, const ColorRGBA& body_color,
-             visualization_msgs::MarkerArray& markers) {
-  prototype.color = body_color;
-  for (std::size_t i = 0; i < body.shapes.size(); ++i) {
-    const double padding = body.paddings_m.empty() ? 0.0 : body.paddings_m[i];
-    std::visit(ShapeMarkers(prototype, body.poses[i], markers.markers),
-               expanded(body.shapes[i], Expansion{1.0, padding}));
-  }
-}
-
-Marker prototypeOf(const std::string& name, const std::string& frame, Time stamp) {
-  Marker prototype;
-  prototype.header.frame_id = frame;
-  prototype.header.stamp = toRos(stamp);
-  prototype.ns = name;
-  prototype.pose.orientation.w = 1.0;
-  prototype.lifetime = ros::Duration(1.0);
-  return prototype;
-}
-
-const char* nameOf(Level level) {
-  switch (level) {
-    case Level::kOk:
-      return "OK";
-    case Level::kSlow:
-      return "SLOW";
-    case Level::kStop:
-      return "STOP";
-    case Level::kFault:
-      return "FAULT";
-  }
-  return "?";
+  return hidden ? blue(alpha) : grey(alpha);
 }
 
 ColorRGBA colorOf(Level level) {
   if (level == Level::kOk) return color(0.3F, 0.9F, 0.4F);
-  return level == Level::kSlow ? color(1.0F, 0.8F, 0.2F) : color(1.0F, 0.2F, 0.2F);
+  return level == Level::kSlow ? yellow() : color(1.0F, 0.2F, 0.2F);
 }
 
 /// Speed scale, the unseen share of the way ahead, and how near the nearest link is.
 std::string numbersOf(const Verdict& verdict, const RobotModel& model) {
-  char text[120];
-  std::snprintf(text, sizeof text, "speed %.0f %%", 100.0 * verdict.speed_scale);
-  std::string numbers = text;
+  char speed[40], unseen[40] = "", clear[120] = "";
+  std::snprintf(speed, sizeof speed, "speed %.0f %%", 100.0 * verdict.speed_scale);
   if (verdict.unseen_fraction > 0.0) {
-    std::snprintf(text, sizeof text, ", %.0f %% unseen", 100.0 * verdict.unseen_fraction);
-    numbers += text;
+    std::snprintf(unseen, sizeof unseen, ", %.0f %% unseen", 100.0 * verdict.unseen_fraction);
   }
   const auto nearest =
       std::min_element(verdict.clearances.begin(), verdict.clearances.end(),
                        [](const auto& a, const auto& b) { return a.distance_m < b.distance_m; });
-  if (nearest == verdict.clearances.end() || std::isinf(nearest->distance_m)) return numbers;
-  std::snprintf(text, sizeof text, "\n%.60s %.0f mm clear", model.links()[nearest->link].c_str(),
-                1e3 * nearest->distance_m);
-  return numbers + text;
+  if (nearest != verdict.clearances.end() && !std::isinf(nearest->distance_m)) {
+    std::snprintf(clear, sizeof clear, "\n%.60s %.0f mm clear",
+                  model.links()[nearest->link].c_str(), 1e3 * nearest->distance_m);
+  }
+  return std::string(speed) + unseen + clear;
 }
 
-Marker textOf(const Verdict& verdict, const RobotModel& model, Marker prototype) {
-  prototype.ns = "status";
-  prototype.id = 0;
-  prototype.type = Marker::TEXT_VIEW_FACING;
-  prototype.header.frame_id = model.rootLinks().front();
-  prototype.header.stamp = ros::Time();
-  prototype.pose.position.z = 1.7;
-  prototype.pose.orientation.w = 1.0;
-  prototype.scale.z = 0.05;
-  prototype.color = colorOf(verdict.level);
-  prototype.text = std::string(nameOf(verdict.level)) + " " + name(verdict.reason);
-  if (!verdict.detail.empty()) prototype.text += "\n" + verdict.detail;
-  if (verdict.placed) prototype.text += "\n" + numbersOf(verdict, model);
-  return prototype;
+/// Above the robot, wherever it is.
+void addText(const Verdict& verdict, const RobotModel& model, MarkerList& markers) {
+  Marker& marker =
+      markers.add("status", Marker::TEXT_VIEW_FACING, {0.0, 0.0, 0.05}, colorOf(verdict.level));
+  marker.header.frame_id = model.rootLinks().front();
+  marker.header.stamp = ros::Time();
+  marker.pose.position.z = 1.7;
+  marker.text = std::string(name(verdict.level)) + " " + name(verdict.reason);
+  if (!verdict.detail.empty()) marker.text += "\n" + verdict.detail;
+  if (verdict.placed) marker.text += "\n" + numbersOf(verdict, model);
 }
 
-/// The cuboid that is touched first on the way ahead.
-Marker contactOf(const WayContact& contact, const CuboidMap& map, Marker prototype) {
-  const UprightBox box = map.box(map.cuboids[contact.contact.cuboid]);
-  prototype.ns = "first contact";
-  prototype.id = 0;
-  prototype.type = Marker::CUBE;
-  prototype.pose = tf2::toMsg(Pose(Eigen::Translation3d(box.center())));
-  const Vector3 size = box.sizes() + Vector3::Constant(0.01);
-  prototype.scale.x = size.x();
-  prototype.scale.y = size.y();
-  prototype.scale.z = size.z();
-  prototype.color = contact.by_margin ? color(1.0F, 0.8F, 0.2F) : magenta(1.0F);
-  return prototype;
+void addBody(const std::string& name, const PoseFindings& findings, const PoseCheck& check,
+             const Checker& checker, float alpha, MarkerList& markers) {
+  const auto& [shapes, body] = check.collisionBody();
+  for (std::size_t i = 0; i < body.shapes.size(); ++i) {
+    markers.add(name, body.shapes[i], body.poses[i], colorOf(shapes[i], findings, checker, alpha));
+  }
 }
 
-/// The cuboids that links touch, or are hidden behind, at the present pose or at the end of the
-/// way.
-Marker flaggedOf(const Verdict& verdict, const CuboidMap& map, Marker prototype) {
+void addFlagged(const Verdict& verdict, const CuboidMap& map, MarkerList& markers) {
   constexpr double kOver = 0.0005;  // [m] so that they show over the map's own
-  prototype.ns = "flagged cuboids";
-  prototype.id = 0;
-  prototype.type = Marker::TRIANGLE_LIST;
-  prototype.scale.x = prototype.scale.y = prototype.scale.z = 1.0;
-  prototype.color = color(1.0F, 1.0F, 1.0F);
-  const auto add = [&](std::uint32_t cuboid, const ColorRGBA& base) {
+  const std::vector<Flagged> flagged = flaggedBy(verdict);
+  if (flagged.empty()) return;
+  Marker& marker = markers.add("flagged cuboids", Marker::TRIANGLE_LIST, Vector3::Ones(),
+                               color(1.0F, 1.0F, 1.0F));
+  for (const auto& [cuboid, col] : flagged) {
     UprightBox box = map.box(map.cuboids[cuboid]);
     box.min().array() -= kOver;
     box.max().array() += kOver;
-    addCuboid(box, base, prototype);
-  };
-  for (const PoseFindings* found : {&verdict.now, &verdict.ahead}) {
-    for (const Contact& contact : found->contacts) add(contact.cuboid, magenta(1.0F));
-    for (const std::uint32_t cuboid : found->occluding_cuboids) add(cuboid, blue(1.0F));
+    addCuboid(box, col == tccm_monitor::Cuboid::COLLISION ? magenta(1.0F) : blue(1.0F), marker);
   }
-  return prototype;
 }
 
-/// Where the links are about to go although nobody has seen the place.
-Marker unseenOf(const std::vector<Vector3>& places, Marker prototype) {
-  prototype.ns = "unseen ahead";
-  prototype.id = 0;
-  prototype.type = Marker::CUBE_LIST;
-  prototype.scale.x = prototype.scale.y = prototype.scale.z = 0.015;
-  prototype.color = color(1.0F, 0.55F, 0.1F, 0.4F);
-  for (const Vector3& p : places) prototype.points.push_back(point(p.x(), p.y(), p.z()));
-  return prototype;
+void addFirstContact(const WayContact& contact, const CuboidMap& map, MarkerList& markers) {
+  const UprightBox box = map.box(map.cuboids[contact.contact.cuboid]);
+  Marker& marker = markers.add("first contact", Marker::CUBE, box.sizes() + Vector3::Constant(0.01),
+                               contact.by_margin ? yellow() : magenta(1.0F));
+  marker.pose.position = tf2::toMsg(Vector3(box.center()));
+}
+
+void addUnseen(const std::vector<Vector3>& places, MarkerList& markers) {
+  if (places.empty()) return;
+  Marker& marker =
+      markers.add("unseen ahead", Marker::CUBE_LIST, Vector3::Constant(0.015), orange(0.4F));
+  for (const Vector3& p : places) marker.points.push_back(tf2::toMsg(p));
 }
 
 /// From green, just seen, over yellow to red; grey where no period says what is old.
 ColorRGBA colorOfAge(double age_s, double too_old_s) {
-  if (too_old_s <= 0.0) return color(0.75F, 0.75F, 0.8F);
+  if (too_old_s <= 0.0) return grey(1.0F);
   const auto share = static_cast<float>(std::clamp(age_s / too_old_s, 0.0, 1.0));
   return color(std::min(1.0F, 2.0F * share), std::min(1.0F, 2.0F - 2.0F * share), 0.1F);
 }
 
-/// At each link whose way is watched, how old what is known of it is.
-void addEvidenceAges(const Checker& checker, Marker prototype,
-                     visualization_msgs::MarkerArray& markers) {
+void addEvidenceAges(const Checker& checker, MarkerList& markers) {
   const double too_old_s =
       checker.config().evidence.stop_periods * toSeconds(checker.map()->look_period);
   const auto& [shapes, body] = checker.checkHere().collisionBody();
-  prototype.ns = "evidence age";
-  prototype.type = Marker::TEXT_VIEW_FACING;
-  prototype.scale.z = 0.03;
   for (const LinkEvidence& link : checker.evidence().findings().links) {
     const auto shape = std::find_if(shapes.begin(), shapes.end(), [&](std::size_t s) {
       return checker.model()->shapes()[s].link == link.link;
     });
     if (shape == shapes.end()) continue;
-    const auto index = static_cast<std::size_t>(shape - shapes.begin());
-    const Vector3 p = body.poses[index].translation();
+    const Pose& pose = body.poses[static_cast<std::size_t>(shape - shapes.begin())];
     char text[16] = "?";
     if (link.age_s) std::snprintf(text, sizeof text, "%.1f s", *link.age_s);
-    prototype.id = static_cast<int>(markers.markers.size());
-    prototype.pose.position = point(p.x(), p.y(), p.z() + 0.08);
-    prototype.color = link.age_s ? colorOfAge(*link.age_s, too_old_s) : color(1.0F, 0.55F, 0.1F);
-    prototype.text = text;
-    markers.markers.push_back(prototype);
+    Marker& marker =
+        markers.addNumbered("evidence age", Marker::TEXT_VIEW_FACING, {0.0, 0.0, 0.03},
+                            link.age_s ? colorOfAge(*link.age_s, too_old_s) : orange(1.0F));
+    marker.pose.position = tf2::toMsg(Vector3(pose.translation() + 0.08 * Vector3::UnitZ()));
+    marker.text = text;
   }
 }
 
 }  // namespace
 
-void toMarker(const tccm_monitor::CuboidMap& map, CuboidLayer layer, int static_windows,
-              Marker& marker) {
+Marker toMarker(const tccm_monitor::CuboidMap& map, CuboidLayer layer, int static_windows) {
+  Marker marker;
   const bool held = layer == CuboidLayer::kHeld;
   marker.header = map.header;
   marker.ns = held ? "held cuboids" : "cuboids";
@@ -307,52 +254,42 @@ void toMarker(const tccm_monitor::CuboidMap& map, CuboidLayer layer, int static_
   marker.pose.orientation.w = 1.0;
   marker.scale.x = marker.scale.y = marker.scale.z = 1.0;
   marker.color = color(1.0F, 1.0F, 1.0F);
-  marker.points.clear();
-  marker.colors.clear();
   for (const tccm_monitor::Cuboid& cuboid : map.cuboids) {
     if ((cuboid.held != 0) != held) continue;
     addCuboid(boxOf(map, cuboid), colorOf(cuboid, static_windows), marker);
   }
   marker.action = marker.points.empty() ? Marker::DELETE : Marker::ADD;
+  return marker;
 }
 
-void toMarkers(const Verdict& verdict, const Checker& checker, const std::string& frame,
-               visualization_msgs::MarkerArray& markers) {
-  Marker prototype = prototypeOf("now", frame, verdict.stamp);
-  markers.markers.clear();
+MarkerArray toMarkers(const Verdict& verdict, const Checker& checker, const std::string& frame) {
+  MarkerList markers(frame, verdict.stamp);
   if (verdict.placed) {
-    addBody(verdict.now, checker.checkHere(), checker, prototype, 0.3F, markers);
-    prototype.ns = "ahead";
-    addBody(verdict.ahead, checker.checkAhead(), checker, prototype, 0.1F, markers);
-    prototype.ns = "occlusion";
-    addBody(checker.checkHere().occlusionBody().body, prototype, color(0.3F, 0.8F, 0.5F, 0.25F),
-            markers);
-    const Marker flagged = flaggedOf(verdict, *checker.map(), prototype);
-    if (!flagged.points.empty()) markers.markers.push_back(flagged);
-    if (verdict.first_contact) {
-      markers.markers.push_back(contactOf(*verdict.first_contact, *checker.map(), prototype));
-    }
-    const std::vector<Vector3>& unseen = checker.evidence().unseenPlaces();
-    if (!unseen.empty()) markers.markers.push_back(unseenOf(unseen, prototype));
-    addEvidenceAges(checker, prototype, markers);
+    addBody("now", verdict.now, checker.checkHere(), checker, 0.3F, markers);
+    addBody("ahead", verdict.ahead, checker.checkAhead(), checker, 0.1F, markers);
+    markers.add("occlusion", checker.checkHere().occlusionBody().body,
+                color(0.3F, 0.8F, 0.5F, 0.25F));
+    addFlagged(verdict, *checker.map(), markers);
+    if (verdict.first_contact) addFirstContact(*verdict.first_contact, *checker.map(), markers);
+    addUnseen(checker.evidence().unseenPlaces(), markers);
+    addEvidenceAges(checker, markers);
   }
-  prototype.ns = "exemptions";
-  prototype.color = color(0.2F, 0.9F, 0.9F, 0.3F);
   for (const Exemption& exemption : checker.exemptions()) {
-    std::visit(ShapeMarkers(prototype, exemption.region.pose, markers.markers),
-               exemption.region.shape);
+    markers.add("exemptions", exemption.region.shape, exemption.region.pose,
+                color(0.2F, 0.9F, 0.9F, 0.3F));
   }
-  markers.markers.push_back(textOf(verdict, *checker.model(), prototype));
+  addText(verdict, *checker.model(), markers);
+  return markers.take();
 }
 
-void toMarkers(const BodySample& sample, const std::string& frame,
-               visualization_msgs::MarkerArray& markers) {
-  markers.markers.clear();
-  addBody(sample.body, prototypeOf("self filter", frame, sample.stamp),
-          color(0.95F, 0.85F, 0.2F, 0.2F), markers);
+MarkerArray toMarkers(const BodySample& sample, const std::string& frame) {
+  MarkerList markers(frame, sample.stamp);
+  markers.add("self filter", sample.body, color(0.95F, 0.85F, 0.2F, 0.2F));
+  return markers.take();
 }
 
-void toImage(const ZBuffer& picture, sensor_msgs::Image& image) {
+sensor_msgs::Image toImage(const ZBuffer& picture) {
+  sensor_msgs::Image image;
   image.encoding = sensor_msgs::image_encodings::RGB8;
   image.width = static_cast<std::uint32_t>(picture.columns());
   image.height = static_cast<std::uint32_t>(picture.rows());
@@ -363,13 +300,14 @@ void toImage(const ZBuffer& picture, sensor_msgs::Image& image) {
     for (int column = picture.columns() - 1; column >= 0; --column, out += 3) {
       const ZBuffer::Pixel& pixel = picture.pixel(row, column);
       if (std::isinf(pixel.depth)) continue;
-      const auto grey =
+      const auto near =
           static_cast<std::uint8_t>(std::clamp(255.0F - 80.0F * pixel.depth, 60.0F, 255.0F));
-      out[0] = pixel.covered ? 40 : grey;
-      out[1] = pixel.covered ? 80 : grey;
-      out[2] = pixel.covered ? 255 : grey;
+      out[0] = pixel.covered ? 40 : near;
+      out[1] = pixel.covered ? 80 : near;
+      out[2] = pixel.covered ? 255 : near;
     }
   }
+  return image;
 }
 
 }  // namespace tccm

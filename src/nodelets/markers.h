@@ -11,6 +11,9 @@
 
 namespace tccm {
 
+using visualization_msgs::Marker;
+using visualization_msgs::MarkerArray;
+
 enum class CuboidLayer {
   kLive,  ///< what the window's scans saw
   kHeld,  ///< what left the window while nobody looked at its place
@@ -19,26 +22,19 @@ enum class CuboidLayer {
 /// A layer's cuboids as one TRIANGLE_LIST: static ones green, dynamic ones red (paper, Fig. 7),
 /// held ones violet and translucent, in a namespace of their own.
 /// @param static_windows dyn from which on one is static.
-void toMarker(const tccm_monitor::CuboidMap& map, CuboidLayer layer, int static_windows,
-              visualization_msgs::Marker& marker);
+[[nodiscard]] Marker toMarker(const tccm_monitor::CuboidMap& map, CuboidLayer layer,
+                              int static_windows);
 
-/// The primitives as checked for collision, now (solid) and ahead (pale): magenta where they touch
-/// the map, blue where hidden from the sensor, grey otherwise; those drawn for occlusion (green);
-/// the cuboids that they touch (magenta) or are hidden behind (blue); the one touched first on the
-/// way ahead (magenta; yellow where only the margin for speed
-/// touches it); places on the way ahead that were not seen (orange); at each link whose way is
-/// watched the age of what is known of it (green, and red when it is too old; "?" where nothing
-/// is); the regions of exemptions (cyan); and level, reason, speed, unseen share and clearance as
-/// text. Each in a namespace of its own.
-void toMarkers(const Verdict& verdict, const Checker& checker, const std::string& frame,
-               visualization_msgs::MarkerArray& markers);
+/// The robot as it was checked, and what was found, each in a namespace of its own: those of
+/// robot_markers in docs/interfaces.md.
+[[nodiscard]] MarkerArray toMarkers(const Verdict& verdict, const Checker& checker,
+                                    const std::string& frame);
 
 /// The body as the self filter takes it, paddings included (yellow).
-void toMarkers(const BodySample& sample, const std::string& frame,
-               visualization_msgs::MarkerArray& markers);
+[[nodiscard]] MarkerArray toMarkers(const BodySample& sample, const std::string& frame);
 
 /// The Z-buffer of the last check's present pose, as the sensor sees it, rgb8: links grey, where
 /// hidden blue; everything else black.
-void toImage(const ZBuffer& picture, sensor_msgs::Image& image);
+[[nodiscard]] sensor_msgs::Image toImage(const ZBuffer& picture);
 
 }  // namespace tccm

@@ -4,18 +4,30 @@
 #include <tccm_monitor/MonitorStatus.h>
 #include <tccm_monitor/MotionPermission.h>
 
+#include <vector>
+
 #include "check/checker_config.h"
 
 namespace tccm {
+
+/// "OK", "SLOW", "STOP" or "FAULT".
+[[nodiscard]] const char* name(Level level);
+
+/// A cuboid, and why: col as in Cuboid.msg.
+struct Flagged {
+  std::uint32_t cuboid;
+  std::uint8_t col;
+};
+/// What links touch, or hide behind, at the present pose and at the end of the way ahead.
+[[nodiscard]] std::vector<Flagged> flaggedBy(const Verdict& verdict);
 
 [[nodiscard]] tccm_monitor::CuboidFlag toFlag(const CuboidMap& map, std::uint32_t cuboid,
                                               std::uint8_t col);
 
 /// All but the frame and the latencies. @param checker that gave the verdict.
-void toMessage(const Verdict& verdict, const Checker& checker,
-               tccm_monitor::MonitorStatus& message);
+[[nodiscard]] tccm_monitor::MonitorStatus statusOf(const Verdict& verdict, const Checker& checker);
 
 /// All but the header, sequence and valid_until.
-void toMessage(const Verdict& verdict, tccm_monitor::MotionPermission& message);
+[[nodiscard]] tccm_monitor::MotionPermission permissionOf(const Verdict& verdict);
 
 }  // namespace tccm

@@ -1,7 +1,17 @@
-#include "nodelets/tccm_mapper.h"
+#include <sensor_msgs/PointCloud2.h>
+#include <std_srvs/Trigger.h>
+#include <tccm_monitor/AttachedObjects.h>
+#include <tccm_monitor/CuboidMap.h>
+#include <tccm_monitor/GetCuboidMap.h>
 
+#include <map>
+#include <memory>
 #include <pluginlib/class_list_macros.hpp>
+#include <string>
+#include <vector>
 
+#include "map/place_ages.h"
+#include "nodelets/diagnosed_nodelet.h"
 #include "nodelets/markers.h"
 #include "ros/conversions.h"
 #include "ros/server_config.h"
@@ -9,134 +19,155 @@
 
 namespace tccm {
 
-void TccmMapper::setUp() {
-  ros::NodeHandle& node = getNodeHandle();
-  config_ = configFrom<MapperConfig>(getPrivateNodeHandle());
-  mapper_ = std::make_unique<Mapper>(config_.mapper);
-  ages_ = std::make_unique<PlaceAges>(mapper_->map());
-  mapper_->reserve(snapshot_);
-  map_publisher_ = node.advertise<tccm_monitor::CuboidMap>("cuboid_map", 10);
-  marker_publisher_ = node.advertise<visualization_msgs::Marker>("cuboid_markers", 4);
-  clear_service_ = node.advertiseService("clear_map", &TccmMapper::clearMap, this);
-  get_service_ = node.advertiseService("get_cuboid_map", &TccmMapper::getCuboidMap, this);
-  cloud_subscriber_ = node.subscribe("scan_cloud", 20, &TccmMapper::receiveCloud, this,
-                                     ros::TransportHints().tcpNoDelay());
-  attached_subscriber_ = node.subscribe("attached_objects", 5, &TccmMapper::receiveAttached, this);
-  marker_timer_ = timer(1.0 / config_.marker_rate_hz, [this] { publishMarkers(); });
-}
+/// Nodelet: `scan_cloud` in; `cuboid_map` with every scan and `cuboid_markers` for whoever looks
+/// out.
+class TccmMapper : public DiagnosedNodelet {
+ public:
+  TccmMapper() : DiagnosedNodelet("map") {}
 
-void TccmMapper::receiveCloud(const sensor_msgs::PointCloud2::ConstPtr& message) {
-  const std::string defect = fromMessage(*message, returns_);
-  if (!defect.empty()) return drop(defect);
-  if (!frame_.empty() && message->header.frame_id != frame_) {
-    return drop("its frame is '" + message->header.frame_id + "', the map's is '" + frame_ + "'");
+ private:
+  void setUp() override {
+    ros::NodeHandle& node = getNodeHandle();
+    config_ = configFrom<MapperConfig>(getPrivateNodeHandle());
+    mapper_ = std::make_unique<Mapper>(config_.mapper);
+    ages_ = std::make_unique<PlaceAges>(mapper_->map());
+    mapper_->reserve(snapshot_);
+    map_publisher_ = node.advertise<tccm_monitor::CuboidMap>("cuboid_map", 10);
+    marker_publisher_ = node.advertise<visualization_msgs::Marker>("cuboid_markers", 4);
+    services_ = {node.advertiseService("clear_map", &TccmMapper::clearMap, this),
+                 node.advertiseService("get_cuboid_map", &TccmMapper::getCuboidMap, this)};
+    marker_timer_ = timer(1.0 / config_.marker_rate_hz, [this] { publishMarkers(); });
+    inputs_ = {hear("scan_cloud", 20, &TccmMapper::receiveCloud),
+               hear("attached_objects", 5, &TccmMapper::receiveAttached)};
   }
-  const Mapper::Outcome outcome = mapper_->add(returns_);
-  if (!outcome.dropped.empty()) return drop(outcome.dropped);
-  frame_ = message->header.frame_id;
-  ++mapped_;
-  added_.mapped += outcome.added.mapped;
-  added_.out_of_area += outcome.added.out_of_area;
-  publish();
-  ages_->follow(mapper_->map(), mapper_->looks());
-}
 
-void TccmMapper::receiveAttached(const tccm_monitor::AttachedObjects::ConstPtr& message) {
-  if (!frame_.empty() && message->header.frame_id != frame_) {
-    NODELET_ERROR("attached_objects are in frame '%s', the map is in '%s': nothing is forgotten.",
-                  message->header.frame_id.c_str(), frame_.c_str());
-    return;
+  void receiveCloud(const sensor_msgs::PointCloud2::ConstPtr& message) {
+    const std::string defect = fromMessage(*message, returns_);
+    if (!defect.empty()) return drop(defect);
+    if (!frame_.empty() && message->header.frame_id != frame_) {
+      return drop("its frame is '" + message->header.frame_id + "', the map's is '" + frame_ + "'");
+    }
+    const Mapper::Outcome outcome = mapper_->add(returns_);
+    if (!outcome.dropped.empty()) return drop(outcome.dropped);
+    frame_ = message->header.frame_id;
+    ++mapped_;
+    added_.mapped += outcome.added.mapped;
+    added_.out_of_area += outcome.added.out_of_area;
+    publish();
+    ages_->follow(mapper_->map(), mapper_->looks());
   }
-  std::map<std::string, ros::Time> attached;
-  for (const tccm_monitor::AttachedObject& object : message->objects) {
-    attached[object.name] = object.forget_until;
-    const auto known = attached_.find(object.name);
-    if (known != attached_.end() && known->second == object.forget_until) continue;
-    const std::string owner = "object '" + object.name + "'";
-    try {
-      const PlacedShape seen{fromMessage(object.primitive, owner).shape,
-                             fromMessage(object.attached_at, owner)};
-      forgotten_ += mapper_->forget({{seen, object.forget_padding}}, toTime(object.forget_until));
-    } catch (const ConfigError& error) {
-      NODELET_ERROR("Nothing is forgotten of an attached object: %s.", error.what());
+
+  void drop(const std::string& reason) {
+    ++dropped_;
+    NODELET_WARN_THROTTLE(5.0, "A scan_cloud was dropped: %s.", reason.c_str());
+  }
+
+  void receiveAttached(const tccm_monitor::AttachedObjects::ConstPtr& message) {
+    if (!frame_.empty() && message->header.frame_id != frame_) {
+      NODELET_ERROR("attached_objects are in frame '%s', the map is in '%s': nothing is forgotten.",
+                    message->header.frame_id.c_str(), frame_.c_str());
+      return;
+    }
+    std::map<std::string, ros::Time> attached;
+    for (const tccm_monitor::AttachedObject& object : message->objects) {
+      attached[object.name] = object.forget_until;
+      const auto known = attached_.find(object.name);
+      if (known != attached_.end() && known->second == object.forget_until) continue;
+      const std::string owner = "object '" + object.name + "'";
+      try {
+        const PlacedShape seen{fromMessage(object.primitive, owner).shape,
+                               fromMessage(object.attached_at, owner)};
+        forgotten_ += mapper_->forget({{seen, object.forget_padding}}, toTime(object.forget_until));
+      } catch (const ConfigError& error) {
+        NODELET_ERROR("Nothing is forgotten of an attached object: %s.", error.what());
+      }
+    }
+    attached_ = std::move(attached);
+    attached_stamp_ = message->header.stamp;
+    if (newest_) publish();
+  }
+
+  void publish() {
+    mapper_->snapshot(snapshot_);
+    ages_->apply(mapper_->map(), snapshot_);
+    const auto message = messages_.take();
+    toMessage(snapshot_, frame_, *message);
+    message->attached_stamp = attached_stamp_;
+    newest_ = message;
+    map_publisher_.publish(newest_);
+  }
+
+  void publishMarkers() {
+    if (!newest_ || marker_publisher_.getNumSubscribers() == 0) return;
+    for (const CuboidLayer layer : {CuboidLayer::kLive, CuboidLayer::kHeld}) {
+      marker_publisher_.publish(toMarker(*newest_, layer, config_.static_windows));
     }
   }
-  attached_ = std::move(attached);
-  attached_stamp_ = message->header.stamp;
-  if (newest_) publish();
-}
 
-void TccmMapper::drop(const std::string& reason) {
-  ++dropped_;
-  NODELET_WARN_THROTTLE(5.0, "A scan_cloud was dropped: %s.", reason.c_str());
-}
-
-void TccmMapper::publish() {
-  mapper_->snapshot(snapshot_);
-  ages_->apply(mapper_->map(), snapshot_);
-  const auto message = messages_.take();
-  toMessage(snapshot_, frame_, *message);
-  message->attached_stamp = attached_stamp_;
-  newest_ = message;
-  map_publisher_.publish(newest_);
-}
-
-void TccmMapper::publishMarkers() {
-  if (!newest_ || marker_publisher_.getNumSubscribers() == 0) return;
-  for (const CuboidLayer layer : {CuboidLayer::kLive, CuboidLayer::kHeld}) {
-    toMarker(*newest_, layer, config_.static_windows, marker_);
-    marker_publisher_.publish(marker_);
+  bool clearMap(std_srvs::Trigger::Request& /*request*/, std_srvs::Trigger::Response& response) {
+    mapper_->clear();
+    response.success = true;
+    response.message = "the map is empty until the next scan, and INIT for a whole window";
+    if (newest_) publish();
+    return true;
   }
-}
 
-bool TccmMapper::clearMap(std_srvs::Trigger::Request& /*request*/,
-                          std_srvs::Trigger::Response& response) {
-  mapper_->clear();
-  response.success = true;
-  response.message = "the map is empty until the next scan, and INIT for a whole window";
-  if (newest_) publish();
-  return true;
-}
-
-bool TccmMapper::getCuboidMap(tccm_monitor::GetCuboidMap::Request& /*request*/,
-                              tccm_monitor::GetCuboidMap::Response& response) {
-  response.success = newest_ != nullptr;
-  if (newest_) {
-    response.map = *newest_;
-  } else {
-    response.message = "no scan was mapped yet";
+  bool getCuboidMap(tccm_monitor::GetCuboidMap::Request& /*request*/,
+                    tccm_monitor::GetCuboidMap::Response& response) {
+    response.success = newest_ != nullptr;
+    if (newest_) response.map = *newest_;
+    if (!newest_) response.message = "no scan was mapped yet";
+    return true;
   }
-  return true;
-}
 
-void TccmMapper::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
-  using diagnostic_msgs::DiagnosticStatus;
-  if (mapped_ == 0) {
-    status.summary(DiagnosticStatus::ERROR, "no scan_cloud yet");
-  } else if (snapshot_.overflowed) {
-    status.summary(DiagnosticStatus::ERROR,
-                   "points are left out: raise window_returns_max or intervals_max");
-  } else if (!snapshot_.complete && mapper_->map().scans() == config_.mapper.map.scans_max) {
-    status.summary(DiagnosticStatus::ERROR, "window_scans_max is too small for the window");
-  } else if (snapshot_.tilt_stopped) {
-    status.summary(DiagnosticStatus::ERROR, "the tilt stands still, or does not go as far");
-  } else if (!snapshot_.complete) {
-    status.summary(DiagnosticStatus::WARN, "the map does not hold a whole window yet");
-  } else {
-    status.summary(DiagnosticStatus::OK, "the map holds the whole window");
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) override {
+    using diagnostic_msgs::DiagnosticStatus;
+    if (mapped_ == 0) {
+      status.summary(DiagnosticStatus::ERROR, "no scan_cloud yet");
+    } else if (snapshot_.overflowed) {
+      status.summary(DiagnosticStatus::ERROR,
+                     "points are left out: raise window_returns_max or intervals_max");
+    } else if (!snapshot_.complete && mapper_->map().scans() == config_.mapper.map.scans_max) {
+      status.summary(DiagnosticStatus::ERROR, "window_scans_max is too small for the window");
+    } else if (snapshot_.tilt_stopped) {
+      status.summary(DiagnosticStatus::ERROR, "the tilt stands still, or does not go as far");
+    } else if (!snapshot_.complete) {
+      status.summary(DiagnosticStatus::WARN, "the map does not hold a whole window yet");
+    } else {
+      status.summary(DiagnosticStatus::OK, "the map holds the whole window");
+    }
+    status.add("scans mapped", mapped_);
+    status.add("scan_clouds dropped", dropped_);
+    status.add("points mapped", added_.mapped);
+    status.add("points out of area", added_.out_of_area);
+    status.add("points of attached objects forgotten", forgotten_);
+    status.add("cuboids", snapshot_.cuboids.size());
+    status.add("window [scans]", mapper_->map().scans());
+    const auto tilt = mapper_->tiltPeriod();
+    status.add("tilt period [s]", tilt ? std::to_string(toSeconds(*tilt)) : "not measured yet");
+    status.add("held intervals", mapper_->held());
+    status.add("memory [bytes]", mapper_->memoryBytes() + ages_->memoryBytes());
   }
-  status.add("scans mapped", mapped_);
-  status.add("scan_clouds dropped", dropped_);
-  status.add("points mapped", added_.mapped);
-  status.add("points out of area", added_.out_of_area);
-  status.add("points of attached objects forgotten", forgotten_);
-  status.add("cuboids", snapshot_.cuboids.size());
-  status.add("window [scans]", mapper_->map().scans());
-  const auto tilt = mapper_->tiltPeriod();
-  status.add("tilt period [s]", tilt ? std::to_string(toSeconds(*tilt)) : "not measured yet");
-  status.add("held intervals", mapper_->held());
-  status.add("memory [bytes]", mapper_->memoryBytes() + ages_->memoryBytes());
-}
+
+  MapperConfig config_;
+  std::unique_ptr<Mapper> mapper_;
+  std::unique_ptr<PlaceAges> ages_;
+  ScanReturns returns_;
+  CuboidMap snapshot_;
+  std::string frame_;
+  MessagePool<tccm_monitor::CuboidMap> messages_;
+  tccm_monitor::CuboidMap::ConstPtr newest_;
+  std::map<std::string, ros::Time> attached_;  ///< forget_until of those taken into account
+  ros::Time attached_stamp_;
+  std::size_t mapped_ = 0;
+  std::size_t dropped_ = 0;
+  std::size_t forgotten_ = 0;
+  IntegrationMap::Added added_;
+  ros::Publisher map_publisher_, marker_publisher_;
+  std::vector<ros::ServiceServer> services_;
+  std::vector<ros::Subscriber> inputs_;
+  ros::WallTimer marker_timer_;
+};
 
 }  // namespace tccm
 

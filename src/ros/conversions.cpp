@@ -1,9 +1,11 @@
 #include "ros/conversions.h"
 
-#include <sensor_msgs/point_cloud2_iterator.h>
+#include <tf2_eigen/tf2_eigen.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "scan/scan_stage.h"
@@ -14,76 +16,67 @@ namespace {
 
 using sensor_msgs::PointField;
 
-/// One point of scan_cloud, as its fields are laid out.
+/// One point of scan_cloud: a field every four bytes.
 struct CloudPoint {
-  float x, y, z;
-  float vp_x, vp_y, vp_z;
+  Eigen::Vector3f point, viewpoint;
   float tilt;
   std::uint8_t kind;
   std::uint8_t padding[3];
-  float end_x, end_y, end_z;
+  Eigen::Vector3f end;
 };
-static_assert(sizeof(CloudPoint) == 44, "the fields below name these offsets");
+constexpr std::array<const char*, 11> kFields{"x",    "y",    "z",     "vp_x",  "vp_y", "vp_z",
+                                              "tilt", "kind", "end_x", "end_y", "end_z"};
+constexpr std::size_t kKind = 7;  // the only one of a byte; the others are floats
+static_assert(sizeof(CloudPoint) == 4 * kFields.size());
 
-PointField field(const char* name, std::uint32_t offset, std::uint8_t type) {
-  PointField f;
-  f.name = name;
-  f.offset = offset;
-  f.datatype = type;
-  f.count = 1;
-  return f;
+std::uint8_t typeOf(std::size_t field) {
+  return field == kKind ? PointField::UINT8 : PointField::FLOAT32;
 }
 
 void layOut(sensor_msgs::PointCloud2& message) {
-  if (message.fields.size() == 11 && message.point_step == sizeof(CloudPoint)) return;
-  message.fields = {
-      field("x", 0, PointField::FLOAT32),      field("y", 4, PointField::FLOAT32),
-      field("z", 8, PointField::FLOAT32),      field("vp_x", 12, PointField::FLOAT32),
-      field("vp_y", 16, PointField::FLOAT32),  field("vp_z", 20, PointField::FLOAT32),
-      field("tilt", 24, PointField::FLOAT32),  field("kind", 28, PointField::UINT8),
-      field("end_x", 32, PointField::FLOAT32), field("end_y", 36, PointField::FLOAT32),
-      field("end_z", 40, PointField::FLOAT32)};
+  if (message.fields.size() == kFields.size() && message.point_step == sizeof(CloudPoint)) return;
+  message.fields.resize(kFields.size());
+  for (std::size_t i = 0; i < kFields.size(); ++i) {
+    message.fields[i].name = kFields[i];
+    message.fields[i].offset = static_cast<std::uint32_t>(4 * i);
+    message.fields[i].datatype = typeOf(i);
+    message.fields[i].count = 1;
+  }
   message.point_step = sizeof(CloudPoint);
   message.height = 1;
   message.is_bigendian = false;
   message.is_dense = false;
 }
 
-std::string missingField(const sensor_msgs::PointCloud2& message) {
-  for (const char* name :
-       {"x", "y", "z", "vp_x", "vp_y", "vp_z", "tilt", "kind", "end_x", "end_y", "end_z"}) {
+/// @param offsets where a point of the cloud has each field. @return empty, or what it lacks.
+std::string findFields(const sensor_msgs::PointCloud2& message,
+                       std::array<std::size_t, kFields.size()>& offsets) {
+  for (std::size_t i = 0; i < kFields.size(); ++i) {
+    const std::string name = kFields[i];
     const auto found = std::find_if(message.fields.begin(), message.fields.end(),
-                                    [name](const PointField& f) { return f.name == name; });
-    const bool is_kind = std::string(name) == "kind";
-    const std::uint8_t type = is_kind ? PointField::UINT8 : PointField::FLOAT32;
-    if (found == message.fields.end() || found->datatype != type) {
-      return std::string(is_kind ? "it has no byte field '" : "it has no float field '") + name +
-             "'";
+                                    [&name](const PointField& f) { return f.name == name; });
+    if (found == message.fields.end() || found->datatype != typeOf(i)) {
+      return (i == kKind ? "it has no byte field '" : "it has no float field '") + name + "'";
     }
-    if (std::uint64_t{found->offset} + (is_kind ? 1 : sizeof(float)) > message.point_step) {
-      return std::string("its field '") + name + "' reaches beyond a point";
+    offsets[i] = found->offset;
+    if (offsets[i] + (i == kKind ? 1 : 4) > message.point_step) {
+      return "its field '" + name + "' reaches beyond a point";
     }
   }
   return {};
 }
 
-using PointReader = sensor_msgs::PointCloud2ConstIterator<float>;
-
 }  // namespace
 
 ros::Time toRos(Time time) {
   constexpr Duration kLast = std::chrono::seconds(std::numeric_limits<std::uint32_t>::max());
-  ros::Time result;
-  result.fromNSec(static_cast<std::uint64_t>(
+  return ros::Time().fromNSec(static_cast<std::uint64_t>(
       std::clamp(time.time_since_epoch(), Duration::zero(), kLast).count()));
-  return result;
 }
 
 ros::Duration toRos(Duration duration) {
   constexpr Duration kLongest = std::chrono::seconds(std::numeric_limits<std::int32_t>::max());
-  ros::Duration result;
-  result.fromNSec(std::clamp(duration, -kLongest, kLongest).count());
-  return result;
+  return ros::Duration().fromNSec(std::clamp(duration, -kLongest, kLongest).count());
 }
 
 LaserScan fromMessage(const sensor_msgs::LaserScan& message) {
@@ -118,28 +111,21 @@ void toMessage(const AssembledScan& scan, const std::string& frame,
   message.row_step = message.width * message.point_step;
   message.data.resize(message.row_step);
   auto* point = reinterpret_cast<CloudPoint*>(message.data.data());
-  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+  const Eigen::Vector3f none = Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
   for (const Beam& beam : scan.beams) {
-    const Eigen::Vector3f p = beam.p_fixed.cast<float>();
-    const Eigen::Vector3f viewpoint = beam.viewpoint.cast<float>();
-    const bool kept = beam.kind == BeamKind::kReturn;
-    *point++ = {kept ? p.x() : kNaN,
-                kept ? p.y() : kNaN,
-                kept ? p.z() : kNaN,
-                viewpoint.x(),
-                viewpoint.y(),
-                viewpoint.z(),
+    const Eigen::Vector3f end = beam.p_fixed.cast<float>();
+    *point++ = {beam.kind == BeamKind::kReturn ? end : none,
+                beam.viewpoint.cast<float>(),
                 static_cast<float>(beam.tilt),
                 static_cast<std::uint8_t>(beam.kind),
                 {0, 0, 0},
-                p.x(),
-                p.y(),
-                p.z()};
+                end};
   }
 }
 
 std::string fromMessage(const sensor_msgs::PointCloud2& message, ScanReturns& returns) {
-  std::string missing = missingField(message);
+  std::array<std::size_t, kFields.size()> offsets;
+  std::string missing = findFields(message, offsets);
   if (!missing.empty()) return missing;
   const std::size_t count = static_cast<std::size_t>(message.width) * message.height;
   if (count == 0 || message.point_step == 0 || count > message.data.size() / message.point_step ||
@@ -149,23 +135,76 @@ std::string fromMessage(const sensor_msgs::PointCloud2& message, ScanReturns& re
   returns.stamp = toTime(message.header.stamp);
   returns.points.clear();
   returns.looks.clear();
-  PointReader x(message, "x"), y(message, "y"), z(message, "z");
-  PointReader vp_x(message, "vp_x"), vp_y(message, "vp_y"), vp_z(message, "vp_z");
-  PointReader end_x(message, "end_x"), end_y(message, "end_y"), end_z(message, "end_z");
-  sensor_msgs::PointCloud2ConstIterator<std::uint8_t> kind(message, "kind");
-  returns.tilt = *PointReader(message, "tilt");
   for (std::size_t i = 0; i < count; ++i) {
-    const Vector3 p(*x, *y, *z), end(*end_x, *end_y, *end_z);
-    returns.viewpoint = {*vp_x, *vp_y, *vp_z};
-    if (p.allFinite()) returns.points.push_back(p);
-    const auto what = *kind < kBeamKinds ? static_cast<BeamKind>(*kind) : BeamKind::kUnknown;
-    if (end.allFinite() && returns.viewpoint.allFinite()) {
-      returns.looks.push_back({returns.viewpoint, end, seenBy(what)});
+    CloudPoint point;
+    for (std::size_t k = 0; k < kFields.size(); ++k) {
+      std::memcpy(reinterpret_cast<std::uint8_t*>(&point) + 4 * k,
+                  &message.data[i * message.point_step + offsets[k]], k == kKind ? 1 : 4);
     }
-    for (PointReader* field : {&x, &y, &z, &vp_x, &vp_y, &vp_z, &end_x, &end_y, &end_z}) ++*field;
-    ++kind;
+    const Vector3 p = point.point.cast<double>(), end = point.end.cast<double>();
+    returns.viewpoint = point.viewpoint.cast<double>();
+    if (i == 0) returns.tilt = point.tilt;
+    if (p.allFinite()) returns.points.push_back(p);
+    const auto kind =
+        point.kind < kBeamKinds ? static_cast<BeamKind>(point.kind) : BeamKind::kUnknown;
+    if (end.allFinite() && returns.viewpoint.allFinite()) {
+      returns.looks.push_back({returns.viewpoint, end, seenBy(kind)});
+    }
   }
   return {};
+}
+
+Pose fromMessage(const geometry_msgs::Pose& message, const std::string& owner) {
+  constexpr double kUnitTolerance = 1e-3;
+  Eigen::Quaterniond q;
+  tf2::fromMsg(message.orientation, q);
+  if (!(std::abs(q.norm() - 1.0) <= kUnitTolerance)) {
+    throw ConfigError(owner + ": its orientation is no unit quaternion");
+  }
+  Pose pose = Pose::Identity();
+  pose.linear() = q.normalized().toRotationMatrix();
+  pose.translation() << message.position.x, message.position.y, message.position.z;
+  if (!isRigid(pose)) throw ConfigError(owner + ": its position is not finite");
+  return pose;
+}
+
+PlacedShape fromMessage(const tccm_monitor::Primitive& message, const std::string& owner) {
+  PlacedShape primitive{Sphere{message.radius}, fromMessage(message.pose, owner)};
+  const double half_length = 0.5 * message.length;
+  if (message.shape == "box") {
+    primitive.shape = Box{0.5 * Vector3(message.size.x, message.size.y, message.size.z)};
+  } else if (message.shape == "cylinder") {
+    primitive.shape = Cylinder{message.radius, half_length};
+  } else if (message.shape == "capsule") {
+    primitive.shape = Capsule{message.radius, half_length};
+  } else if (message.shape != "sphere") {
+    throw ConfigError(owner + ": shape '" + message.shape +
+                      "' is none of box, cylinder, capsule, sphere");
+  }
+  return primitive;
+}
+
+tccm_monitor::Primitive toMessage(const PlacedShape& primitive) {
+  tccm_monitor::Primitive message;
+  message.shape = name(primitive.shape);
+  message.pose = tf2::toMsg(primitive.pose);
+  std::visit(
+      [&message](const auto& shape) {
+        using T = std::decay_t<decltype(shape)>;
+        if constexpr (std::is_same_v<T, Box>) {
+          tf2::toMsg(Vector3(2.0 * shape.half_extents), message.size);
+        } else {
+          message.radius = shape.radius;
+          if constexpr (!std::is_same_v<T, Sphere>) message.length = 2.0 * shape.half_length;
+        }
+      },
+      primitive.shape);
+  return message;
+}
+
+AttachedObject fromMessage(const tccm_monitor::AttachedObject& message) {
+  return {message.name, message.link,
+          fromMessage(message.primitive, "object '" + message.name + "'")};
 }
 
 }  // namespace tccm

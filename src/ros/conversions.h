@@ -23,9 +23,8 @@ namespace tccm {
 [[nodiscard]] inline Time toTime(const ros::Time& time) {
   return Time(Duration(static_cast<Duration::rep>(time.toNSec())));
 }
-/// Saturates at what a ros::Time can hold: garbage must not throw in a callback.
+/// Saturates at what a ros::Time or Duration can hold: garbage must not throw in a callback.
 [[nodiscard]] ros::Time toRos(Time time);
-/// Saturates likewise.
 [[nodiscard]] ros::Duration toRos(Duration duration);
 
 [[nodiscard]] LaserScan fromMessage(const sensor_msgs::LaserScan& message);

@@ -1,4 +1,6 @@
 // Cuboid maps to messages and back.
+#include <tf2_eigen/tf2_eigen.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,14 +10,6 @@
 
 namespace tccm {
 namespace {
-
-geometry_msgs::Point toPoint(const Vector3& p) {
-  geometry_msgs::Point point;
-  point.x = p.x();
-  point.y = p.y();
-  point.z = p.z();
-  return point;
-}
 
 Grid::Config gridOf(const tccm_monitor::CuboidMap& message) {
   Grid::Config grid;
@@ -34,7 +28,7 @@ void toMessage(const LookImage& looks, tccm_monitor::Looks& message) {
   const int columns = looks.grid().columns();
   const int rows = std::max(0, looks.rowEnd() - looks.rowBegin());
   message.resolution = looks.grid().resolution();
-  message.viewpoint = toPoint(looks.viewpoint());
+  message.viewpoint = tf2::toMsg(looks.viewpoint());
   message.epoch = toRos(looks.epoch());
   message.row_begin = static_cast<std::uint32_t>(rows > 0 ? looks.rowBegin() : 0);
   const std::size_t passes = static_cast<std::size_t>(rows * columns) * LookImage::kPasses;
@@ -55,21 +49,17 @@ void toMessage(const LookImage& looks, tccm_monitor::Looks& message) {
   }
 }
 
+/// @throws ConfigError where the resolution is not allowed.
 std::string fromMessage(const tccm_monitor::Looks& message, LookImage& looks) {
   if (!(std::abs(message.resolution - looks.grid().resolution()) < 1e-9)) {
-    try {
-      looks = LookImage(message.resolution);
-    } catch (const ConfigError& error) {
-      return error.what();
-    }
+    looks = LookImage(message.resolution);
   }
   const Vector3 viewpoint(message.viewpoint.x, message.viewpoint.y, message.viewpoint.z);
   if (!viewpoint.allFinite()) return "the viewpoint of its looks is not finite";
   const auto columns = static_cast<std::size_t>(looks.grid().columns());
-  const std::size_t passes = message.end.size();
-  const std::size_t rows = passes / (columns * LookImage::kPasses);
-  if (passes % (columns * LookImage::kPasses) != 0 ||
-      message.row_begin + rows > static_cast<std::size_t>(looks.grid().rows())) {
+  const std::size_t passes = message.end.size(), passes_in_row = columns * LookImage::kPasses;
+  if (passes % passes_in_row != 0 ||
+      message.row_begin + passes / passes_in_row > static_cast<std::size_t>(looks.grid().rows())) {
     return "its looks fill no whole rows";
   }
   for (const std::size_t size : {message.first_ms.size(), message.last_ms.size(),
@@ -133,7 +123,7 @@ void toMessage(const CuboidMap& map, const std::string& frame, tccm_monitor::Cub
   message.overflowed = map.overflowed;
   message.tilt_stopped = map.tilt_stopped;
   message.look_period = toRos(map.look_period);
-  message.viewpoint = toPoint(map.viewpoint);
+  message.viewpoint = tf2::toMsg(map.viewpoint);
   toMessage(map.looks, message.looks);
   message.cuboids.resize(map.cuboids.size());
   for (std::size_t i = 0; i < map.cuboids.size(); ++i) {
@@ -154,33 +144,33 @@ std::string fromMessage(const tccm_monitor::CuboidMap& message, CuboidMap& map) 
   try {
     const Grid grid(gridOf(message));
     if (!(grid == map.grid)) map.grid = grid;
+    if (map.grid.cellsX() != message.cells_x || map.grid.cellsY() != message.cells_y) {
+      return "its cells do not fit its area";
+    }
+    if (!(message.thickness > 0.0) ||
+        !(message.thickness / message.height_quantum <= std::numeric_limits<Height>::max())) {
+      return "its thickness is none";
+    }
+    map.stamp = toTime(message.header.stamp);
+    map.serial = message.serial;
+    map.window_scans = message.window_scans;
+    map.window = Duration(message.window.toNSec());
+    map.complete = message.complete;
+    map.overflowed = message.overflowed;
+    map.tilt_stopped = message.tilt_stopped;
+    map.look_period = Duration(message.look_period.toNSec());
+    if (map.look_period < Duration::zero()) return "its look_period is negative";
+    map.thickness = map.grid.heightOf(message.thickness);
+    map.viewpoint = {message.viewpoint.x, message.viewpoint.y, message.viewpoint.z};
+    if (!map.viewpoint.allFinite()) return "its viewpoint is not finite";
+    std::string defect = fromMessage(message.looks, map.looks);
+    if (!defect.empty()) return defect;
+    defect = fromMessages(message.cuboids, map);
+    if (defect.empty()) indexCells(map);
+    return defect;
   } catch (const ConfigError& error) {
     return error.what();
   }
-  if (map.grid.cellsX() != message.cells_x || map.grid.cellsY() != message.cells_y) {
-    return "its cells do not fit its area";
-  }
-  if (!(message.thickness > 0.0) ||
-      !(message.thickness / message.height_quantum <= std::numeric_limits<Height>::max())) {
-    return "its thickness is none";
-  }
-  map.stamp = toTime(message.header.stamp);
-  map.serial = message.serial;
-  map.window_scans = message.window_scans;
-  map.window = Duration(message.window.toNSec());
-  map.complete = message.complete;
-  map.overflowed = message.overflowed;
-  map.tilt_stopped = message.tilt_stopped;
-  map.look_period = Duration(message.look_period.toNSec());
-  if (map.look_period < Duration::zero()) return "its look_period is negative";
-  map.thickness = map.grid.heightOf(message.thickness);
-  map.viewpoint = {message.viewpoint.x, message.viewpoint.y, message.viewpoint.z};
-  if (!map.viewpoint.allFinite()) return "its viewpoint is not finite";
-  std::string defect = fromMessage(message.looks, map.looks);
-  if (!defect.empty()) return defect;
-  defect = fromMessages(message.cuboids, map);
-  if (defect.empty()) indexCells(map);
-  return defect;
 }
 
 }  // namespace tccm

@@ -94,8 +94,7 @@ class ResourceReader {
   }
 
   std::string readFromPackage(const std::string& rest) {
-    const std::size_t slash = rest.find('/');
-    const std::string package = rest.substr(0, slash);
+    const std::string package = rest.substr(0, rest.find('/'));
     const std::size_t begin = rest.find_first_not_of('/', package.size());
     if (package.empty() || begin == std::string::npos) {
       throw ConfigError("package:// has to be followed by a package and a file in it");
@@ -114,8 +113,17 @@ class ResourceReader {
     if (!package_path_.empty() && fs::is_directory(package_path_ / package, ignored)) {
       return package_path_ / package;
     }
-    // Looked up when first needed: searching all of them takes tens of milliseconds.
-    std::call_once(listed_, [this] { list(); });
+    // Looked up when first needed: searching all of them takes tens of milliseconds. Asked for a
+    // list, rospack complains of nothing on the terminal.
+    std::call_once(listed_, [this] {
+      std::vector<std::string> lines;
+      ros::package::command("list", lines);
+      for (const std::string& line : lines) {
+        const std::size_t space = line.find(' ');
+        if (space == std::string::npos) continue;
+        ros_packages_[line.substr(0, space)] = line.substr(space + 1);
+      }
+    });
     const auto folder = ros_packages_.find(package);
     if (folder != ros_packages_.end()) return folder->second;
     const std::string where =
@@ -123,25 +131,10 @@ class ResourceReader {
     throw ConfigError("there is no package '" + printable(package) + "'" + where + " among ROS's");
   }
 
-  /// Asked for a list, rospack complains of nothing on the terminal.
-  void list() {
-    std::vector<std::string> lines;
-    ros::package::command("list", lines);
-    for (const std::string& line : lines) {
-      const std::size_t space = line.find(' ');
-      if (space != std::string::npos) ros_packages_[line.substr(0, space)] = line.substr(space + 1);
-    }
-  }
-
   const fs::path package_path_;
   std::once_flag listed_;
   std::map<std::string, std::string> ros_packages_;  ///< their folders
 };
-
-std::string environment(const char* name) {
-  const char* value = std::getenv(name);
-  return value == nullptr ? "" : value;
-}
 
 }  // namespace
 
@@ -157,11 +150,11 @@ ReadResource resourceReader(const std::string& package_path) {
 }
 
 std::string fitCacheFolder() {
-  const std::string ros_home = environment("ROS_HOME");
-  const std::string home = environment("HOME");
-  if (ros_home.empty() && home.empty()) return {};
-  const fs::path base = ros_home.empty() ? fs::path(home) / ".ros" : fs::path(ros_home);
-  return base / "tccm_monitor" / "fits";
+  const char* const ros_home = std::getenv("ROS_HOME");
+  const char* const home = std::getenv("HOME");
+  if (ros_home && *ros_home) return fs::path(ros_home) / "tccm_monitor" / "fits";
+  if (home && *home) return fs::path(home) / ".ros" / "tccm_monitor" / "fits";
+  return {};
 }
 
 }  // namespace tccm

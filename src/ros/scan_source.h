@@ -4,13 +4,14 @@
 #include <deque>
 #include <functional>
 #include <map>
-#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "monitor_config.h"
 #include "robot/joint_states.h"
 #include "ros/transform_history.h"
+#include "scan/projection.h"
 #include "tccm_monitor/laser_scan.h"
 #include "tccm_monitor/pose.h"
 
@@ -24,11 +25,15 @@ class ScanSource {
   /// @param root_frames those of the robot that is filtered out, in its model's order; none where
   /// no robot is.
   ScanSource(const AssemblerConfig& config, const std::vector<std::string>& root_frames,
-             const TransformHistory& transforms);
+             const TransformHistory& transforms)
+      : config_(config), root_frames_(root_frames), transforms_(transforms) {
+    config_.fixed_frame = withoutSlash(config.fixed_frame);
+  }
 
   /// A scan with all that is needed to place its beams.
   struct Ready {
     LaserScan scan;
+    std::string frame;
     Time arrival;
     PosePath T_fixed_sensor;
     std::vector<PosePath> T_fixed_roots;
@@ -39,41 +44,97 @@ class ScanSource {
 
   /// A scan that cannot be projected at all, or is stamped in the future, is dropped here.
   /// @return empty, or what is wrong with it.
-  std::string add(LaserScan scan, const std::string& frame, Time arrival);
-  void clear();
+  std::string add(LaserScan scan, const std::string& frame, Time arrival) {
+    std::string defect = defectOf(scan, config_.scan.assembler.scan_beams_max);
+    if (!defect.empty()) {
+      countDrop(scan.stamp, "malformed");
+      return defect;
+    }
+    if (scan.stamp - arrival > fromSeconds(config_.scan.future_max_s)) {
+      countDrop(scan.stamp, "future_stamp");
+      return "it is stamped in the future";
+    }
+    if (waiting_.size() == kWaitingMax) {
+      countDrop(waiting_.front().scan.stamp, "no_transform");
+      waiting_.pop_front();
+    }
+    waiting_.push_back({std::move(scan), withoutSlash(frame), arrival, {}, {}});
+    return defect;
+  }
+  void clear() { waiting_.clear(); }
 
   /// The oldest scan that can be placed now. Those before it that cannot are dropped and counted.
   /// @param joints nothing where no robot is filtered out. @param now for how long a scan waited.
-  [[nodiscard]] const Ready* next(const JointStates* joints, Time now);
+  [[nodiscard]] const Ready* next(const JointStates* joints, Time now) {
+    const Duration wait_max = fromSeconds(config_.transform_wait_max_s);
+    for (; !waiting_.empty(); waiting_.pop_front()) {
+      Ready& scan = waiting_.front();
+      if (now < scan.arrival) {  // time began anew
+        countDrop(scan.scan.stamp, "time_jump");
+        continue;
+      }
+      const Status status = place(scan, joints);
+      if (status == Status::kNotYet && now - scan.arrival <= wait_max) return nullptr;
+      if (status == Status::kFound) {
+        ready_ = std::move(scan);
+        waiting_.pop_front();
+        return &ready_;
+      }
+      const bool joints_missing = status == Status::kNotYet && !covers(joints, scan.scan);
+      countDrop(scan.scan.stamp,
+                joints_missing ? "no_joint_states" : TransformHistory::name(status));
+    }
+    return nullptr;
+  }
   /// Drops what still waits.
-  void drain();
+  void drain() {
+    for (const Ready& scan : waiting_) countDrop(scan.scan.stamp, "no_transform");
+    waiting_.clear();
+  }
 
   /// How many scans were dropped, by reason.
   [[nodiscard]] const std::map<std::string, std::size_t>& dropped() const { return dropped_; }
-  [[nodiscard]] std::size_t droppedCount() const;
+  [[nodiscard]] std::size_t droppedCount() const { return dropped_count_; }
   /// For a scan that failed after it left.
-  void countDrop(Time stamp, const std::string& reason);
+  void countDrop(Time stamp, const std::string& reason) {
+    ++dropped_[reason];
+    ++dropped_count_;
+    if (told_) told_(stamp, reason);
+  }
   [[nodiscard]] std::size_t waiting() const { return waiting_.size(); }
 
  private:
-  struct Waiting {
-    LaserScan scan;
-    std::string frame;
-    Time arrival;
-  };
-  /// Fills ready_ from a scan. @return kFound, kNotYet where waiting may help, or why it cannot.
-  [[nodiscard]] TransformHistory::Status place(Waiting& waiting, const JointStates* joints);
+  using Status = TransformHistory::Status;
+  static constexpr std::size_t kWaitingMax = 100;  // scans; more means that transforms never come
 
-  std::string fixed_frame_;
+  static bool covers(const JointStates* joints, const LaserScan& scan) {
+    if (!joints) return true;
+    const auto until = joints->answersUntil();
+    return until && *until >= scan.lastBeamTime();
+  }
+
+  /// Fills in the poses. @return kFound, kNotYet where waiting may help, or why it cannot.
+  [[nodiscard]] Status place(Ready& scan, const JointStates* joints) const {
+    if (!covers(joints, scan.scan)) return Status::kNotYet;
+    const auto placeFrame = [&](const std::string& frame, PosePath& path) {
+      return transforms_.path(config_.fixed_frame, frame, scan.scan.stamp, scan.scan.lastBeamTime(),
+                              fromSeconds(config_.transform_sample_s), path);
+    };
+    scan.T_fixed_roots.resize(root_frames_.size());
+    for (std::size_t i = 0; joints && i < root_frames_.size(); ++i) {
+      const Status status = placeFrame(root_frames_[i], scan.T_fixed_roots[i]);
+      if (status != Status::kFound) return status;
+    }
+    return placeFrame(scan.frame, scan.T_fixed_sensor);
+  }
+
+  AssemblerConfig config_;
   std::vector<std::string> root_frames_;
-  std::size_t beams_max_;
-  Duration step_;
-  Duration wait_max_;
-  Duration future_max_;
   const TransformHistory& transforms_;
-  std::deque<Waiting> waiting_;
+  std::deque<Ready> waiting_;
   Ready ready_;
   std::map<std::string, std::size_t> dropped_;
+  std::size_t dropped_count_ = 0;
   std::function<void(Time, const std::string&)> told_;
 };
 

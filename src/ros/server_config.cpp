@@ -1,5 +1,13 @@
 #include "ros/server_config.h"
 
+#include <ros/param.h>
+
+#include <map>
+#include <mutex>
+
+#include "ros/resources.h"
+#include "tccm_monitor/config_error.h"
+
 namespace tccm {
 namespace {
 
@@ -7,29 +15,52 @@ YAML::Node toYaml(XmlRpc::XmlRpcValue& value) {
   YAML::Node node;
   switch (value.getType()) {
     case XmlRpc::XmlRpcValue::TypeBoolean:
-      node = static_cast<bool>(value);
-      break;
+      return YAML::Node(static_cast<bool>(value));
     case XmlRpc::XmlRpcValue::TypeInt:
-      node = static_cast<int>(value);
-      break;
+      return YAML::Node(static_cast<int>(value));
     case XmlRpc::XmlRpcValue::TypeDouble:
-      node = static_cast<double>(value);
-      break;
+      return YAML::Node(static_cast<double>(value));
     case XmlRpc::XmlRpcValue::TypeString:
-      node = static_cast<std::string>(value);
-      break;
+      return YAML::Node(static_cast<std::string>(value));
     case XmlRpc::XmlRpcValue::TypeArray:
       node = YAML::Node(YAML::NodeType::Sequence);  // also where it is empty
       for (int i = 0; i < value.size(); ++i) node.push_back(toYaml(value[i]));
-      break;
+      return node;
     case XmlRpc::XmlRpcValue::TypeStruct:
       node = YAML::Node(YAML::NodeType::Map);
       for (auto& entry : value) node[entry.first] = toYaml(entry.second);
-      break;
+      return node;
     default:
-      break;
+      return node;
   }
-  return node;
+}
+
+std::string readRobotDescription(const ros::NodeHandle& node) {
+  std::string key, urdf;
+  // A nodelet's node handle has an empty namespace at the root, in which nothing is found.
+  const std::string from = node.getNamespace().empty() ? "/" : node.getNamespace();
+  if (!ros::param::search(from, "robot_description", key) || !node.getParam(key, urdf) ||
+      urdf.empty()) {
+    throw ConfigError("robot_description: it is not on the parameter server, or is no text");
+  }
+  return urdf;
+}
+
+void tellProgress(std::size_t done, std::size_t all) {
+  if (done == 0) ROS_INFO("Reading %zu meshes; those never seen before are fitted now.", all);
+}
+
+void tellDefects(const RobotModel& model) {
+  const std::vector<std::string>& without = model.linksWithoutShape();
+  std::string names;
+  for (const std::string& link : without) names += (names.empty() ? "" : ", ") + link;
+  if (!without.empty()) {
+    ROS_INFO("%zu links have no collision element and are not watched: %s", without.size(),
+             names.c_str());
+  }
+  if (!model.cacheDefect().empty()) {
+    ROS_INFO("Fits are not kept for the next start: %s", model.cacheDefect().c_str());
+  }
 }
 
 }  // namespace
@@ -37,6 +68,22 @@ YAML::Node toYaml(XmlRpc::XmlRpcValue& value) {
 YAML::Node parametersOf(const ros::NodeHandle& node) {
   XmlRpc::XmlRpcValue value;
   return node.getParam(node.getNamespace(), value) ? toYaml(value) : YAML::Node();
+}
+
+std::shared_ptr<const RobotModel> sharedRobotModel(const ros::NodeHandle& node) {
+  static std::mutex mutex;
+  static std::map<std::string, std::weak_ptr<const RobotModel>> models;
+  const auto config =
+      configFrom<RobotModel::Config>(ros::NodeHandle(node, MonitorConfig::kRobotSection));
+  const std::string urdf = readRobotDescription(node);
+  const std::lock_guard<std::mutex> lock(mutex);
+  std::weak_ptr<const RobotModel>& known = models[config.text() + urdf];
+  if (auto model = known.lock()) return model;
+  auto model = std::make_shared<const RobotModel>(
+      urdf, config, RobotResources{resourceReader(""), fitCacheFolder(), tellProgress});
+  tellDefects(*model);
+  known = model;
+  return model;
 }
 
 }  // namespace tccm

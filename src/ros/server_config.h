@@ -4,6 +4,8 @@
 #include <ros/node_handle.h>
 #include <yaml-cpp/yaml.h>
 
+#include <memory>
+
 #include "monitor_config.h"
 
 namespace tccm {
@@ -22,5 +24,10 @@ template <typename Config>
   }
   return config;
 }
+
+/// The robot as all nodelets of this process see it: read once, from robot_description, searched
+/// upwards from the node's namespace, and from `monitored_robot` in it. Logs what of the robot is
+/// not watched, and fits that could not be kept. @throws ConfigError
+[[nodiscard]] std::shared_ptr<const RobotModel> sharedRobotModel(const ros::NodeHandle& node);
 
 }  // namespace tccm

@@ -5,29 +5,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "ros/conversions.h"
 
 namespace tccm {
 namespace {
 
-constexpr std::size_t kLongestChain = 1000;  // of frames; more is a loop
-
-constexpr Duration kJumpBack = std::chrono::seconds(1);  // more is time beginning anew
-
 using Status = TransformHistory::Status;
 
-/// The frames from one up to the root of its tree.
-std::vector<std::string> chainOf(const std::map<std::string, std::string>& parents,
-                                 const std::string& frame) {
-  std::vector<std::string> chain{frame};
-  for (auto it = parents.find(frame); it != parents.end() && chain.size() < kLongestChain;
-       it = parents.find(it->second)) {
-    chain.push_back(it->second);
-  }
-  return chain;
-}
+constexpr std::size_t kLongestChain = 1000;              // of frames; more is a loop
+constexpr Duration kJumpBack = std::chrono::seconds(1);  // more is time beginning anew
+// As long as tf2 keeps them.
+constexpr Duration kKept = std::chrono::seconds(tf2::BufferCore::DEFAULT_CACHE_TIME);
 
 /// Quaternions are often written with three digits. tf2 takes those for rotations and refuses what
 /// is further off, which is left as it is here.
@@ -47,71 +36,59 @@ std::string withoutSlash(const std::string& frame) {
   return first == std::string::npos ? std::string() : frame.substr(first);
 }
 
-TransformHistory::TransformHistory(tf2::BufferCore& buffer, Duration gap_max, Duration kept)
-    : buffer_(buffer), gap_max_(gap_max), kept_(kept) {}
-
 void TransformHistory::add(const tf2_msgs::TFMessage& message, bool is_static) {
   for (geometry_msgs::TransformStamped transform : message.transforms) {
     transform.header.frame_id = withoutSlash(transform.header.frame_id);
     transform.child_frame_id = withoutSlash(transform.child_frame_id);
     normalize(transform.transform.rotation);
     const Time stamp = toTime(transform.header.stamp);
-    if (!is_static && jumpsBack(transform.child_frame_id, stamp)) clear();
+    const auto known = frames_.find(transform.child_frame_id);
+    const bool is_known = !is_static && known != frames_.end() && !known->second.stamps.empty();
+    if (is_known && known->second.stamps.back() - stamp > kJumpBack) clear();
     if (!buffer_.setTransform(transform, "tccm_monitor", is_static)) continue;
-    const std::string& child = transform.child_frame_id;
+    Frame& frame = frames_[transform.child_frame_id];
     // Nothing is interpolated from one parent to another.
-    if (std::exchange(parents_[child], transform.header.frame_id) != transform.header.frame_id) {
-      stamps_.erase(child);
-    }
-    static_[child] = is_static;
+    if (frame.parent != transform.header.frame_id) frame.stamps.clear();
+    frame.parent = transform.header.frame_id;
+    frame.is_static = is_static;
     if (is_static) continue;
-    std::deque<Time>& stamps = stamps_[child];
     // Usually at the end; several publishers may be out of step.
+    std::deque<Time>& stamps = frame.stamps;
     const auto at = std::upper_bound(stamps.begin(), stamps.end(), stamp);
     if (at == stamps.begin() || *(at - 1) != stamp) stamps.insert(at, stamp);
-    while (stamps.back() - stamps.front() > kept_) stamps.pop_front();
+    while (stamps.back() - stamps.front() > kKept) stamps.pop_front();
   }
-}
-
-bool TransformHistory::jumpsBack(const std::string& child, Time stamp) const {
-  const auto found = stamps_.find(child);
-  return found != stamps_.end() && !found->second.empty() &&
-         found->second.back() - stamp > kJumpBack;
 }
 
 void TransformHistory::clear() {
   buffer_.clear();
-  stamps_.clear();
+  for (auto& entry : frames_) entry.second.stamps.clear();
 }
 
-std::vector<std::string> TransformHistory::movingFrames(const std::string& target,
-                                                        const std::string& source) const {
-  std::vector<std::string> from_target = chainOf(parents_, target);
-  std::vector<std::string> from_source = chainOf(parents_, source);
-  // What both share lies above their common ancestor and takes no part.
-  while (from_target.size() > 1 && from_source.size() > 1 &&
-         from_target[from_target.size() - 2] == from_source[from_source.size() - 2]) {
-    from_target.pop_back();
-    from_source.pop_back();
-  }
-  if (from_target.back() == from_source.back()) {
-    from_target.pop_back();
-    from_source.pop_back();
-  }
-  std::vector<std::string> moving;
-  for (const auto& chain : {from_target, from_source}) {
-    for (const std::string& frame : chain) {
-      const auto found = static_.find(frame);
-      if (found != static_.end() && !found->second) moving.push_back(frame);
-    }
+std::vector<const TransformHistory::Frame*> TransformHistory::movingFrames(
+    const std::string& frame) const {
+  std::vector<const Frame*> moving;
+  auto above = frames_.find(frame);
+  for (std::size_t i = 0; above != frames_.end() && i < kLongestChain; ++i) {
+    if (!above->second.is_static) moving.push_back(&above->second);
+    above = frames_.find(above->second.parent);
   }
   return moving;
 }
 
-Status TransformHistory::around(const std::string& child, Time stamp) const {
-  const auto found = stamps_.find(child);
-  if (found == stamps_.end() || found->second.empty()) return Status::kNotYet;
-  const std::deque<Time>& stamps = found->second;
+std::vector<const TransformHistory::Frame*> TransformHistory::movingFrames(
+    const std::string& target, const std::string& source) const {
+  std::vector<const Frame*> way = movingFrames(target), from_source = movingFrames(source);
+  // What both share lies above their common ancestor and takes no part.
+  while (!way.empty() && !from_source.empty() && way.back() == from_source.back()) {
+    way.pop_back();
+    from_source.pop_back();
+  }
+  way.insert(way.end(), from_source.begin(), from_source.end());
+  return way;
+}
+
+Status TransformHistory::around(const std::deque<Time>& stamps, Time stamp) const {
   const auto after = std::lower_bound(stamps.begin(), stamps.end(), stamp);
   if (after == stamps.end()) return Status::kNotYet;
   if (*after == stamp) return Status::kFound;
@@ -121,8 +98,8 @@ Status TransformHistory::around(const std::string& child, Time stamp) const {
 
 TransformHistory::Lookup TransformHistory::at(const std::string& target, const std::string& source,
                                               Time stamp) const {
-  for (const std::string& child : movingFrames(target, source)) {
-    const Status status = around(child, stamp);
+  for (const Frame* frame : movingFrames(target, source)) {
+    const Status status = around(frame->stamps, stamp);
     if (status != Status::kFound) return {status, Pose::Identity()};
   }
   try {
@@ -163,17 +140,18 @@ std::optional<TransformHistory::Newest> TransformHistory::newest(const std::stri
   }
 }
 
-const char* TransformHistory::name(Status status) {
-  switch (status) {
-    case Status::kFound:
-      return "found";
-    case Status::kNotYet:
-    case Status::kNever:
-      return "no_transform";
-    case Status::kGap:
-      return "transform_gap";
-  }
-  return "no_transform";
+std::vector<ros::Subscriber> hearTransforms(ros::NodeHandle node, TransformHistory& history,
+                                            std::function<void()> heard) {
+  const auto hear = [&](const std::string& topic, std::uint32_t queue, bool is_static) {
+    return node.subscribe<tf2_msgs::TFMessage>(
+        topic, queue,
+        [&history, heard, is_static](const tf2_msgs::TFMessage::ConstPtr& message) {
+          history.add(*message, is_static);
+          heard();
+        },
+        ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
+  };
+  return {hear("/tf", 1000, false), hear("/tf_static", 100, true)};
 }
 
 }  // namespace tccm

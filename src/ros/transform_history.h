@@ -1,9 +1,11 @@
 #pragma once
 
+#include <ros/node_handle.h>
 #include <tf2/buffer_core.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include <deque>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -17,9 +19,8 @@ namespace tccm {
 /// across a gap in which a transform was not heard of: tf2 alone would do that silently.
 class TransformHistory {
  public:
-  /// @param buffer filled by add() alone; outlives this object.
   /// @param gap_max nothing is interpolated across a longer gap.
-  TransformHistory(tf2::BufferCore& buffer, Duration gap_max, Duration kept);
+  explicit TransformHistory(Duration gap_max) : gap_max_(gap_max) {}
 
   /// Where stamps jump back by more than a second, all but static transforms are forgotten.
   /// Frames may start with a slash. Transforms that tf2 refuses (NaN, no child) are passed over.
@@ -53,22 +54,35 @@ class TransformHistory {
   [[nodiscard]] std::optional<Newest> newest(const std::string& target,
                                              const std::string& source) const;
 
-  /// Why a scan is dropped, for people and reports.
-  [[nodiscard]] static const char* name(Status status);
+  /// Why a scan is dropped that was not placed, for people and reports.
+  [[nodiscard]] static const char* name(Status status) {
+    return status == Status::kGap ? "transform_gap" : "no_transform";
+  }
 
  private:
-  [[nodiscard]] std::vector<std::string> movingFrames(const std::string& target,
-                                                      const std::string& source) const;
-  [[nodiscard]] bool jumpsBack(const std::string& child, Time stamp) const;
-  [[nodiscard]] Status around(const std::string& child, Time stamp) const;
+  /// One that has a parent.
+  struct Frame {
+    std::string parent;
+    bool is_static = false;
+    std::deque<Time> stamps;  ///< ascending; none where it is static
+  };
+  /// Of a frame and those above it those that are not static.
+  [[nodiscard]] std::vector<const Frame*> movingFrames(const std::string& frame) const;
+  /// Those on the way from one to the other.
+  [[nodiscard]] std::vector<const Frame*> movingFrames(const std::string& target,
+                                                       const std::string& source) const;
+  [[nodiscard]] Status around(const std::deque<Time>& stamps, Time stamp) const;
 
-  tf2::BufferCore& buffer_;
+  tf2::BufferCore buffer_;
   Duration gap_max_;
-  Duration kept_;
-  std::map<std::string, std::deque<Time>> stamps_;  ///< by child frame, ascending
-  std::map<std::string, std::string> parents_;
-  std::map<std::string, bool> static_;
+  std::map<std::string, Frame> frames_;
 };
+
+/// Feeds a history from /tf and /tf_static, in the callback queue of the node it is given: no
+/// thread of its own, so that what it feeds needs no lock. @param heard called after each message.
+[[nodiscard]] std::vector<ros::Subscriber> hearTransforms(ros::NodeHandle node,
+                                                          TransformHistory& history,
+                                                          std::function<void()> heard);
 
 /// Without the slashes that tf1 put in front of frame names.
 [[nodiscard]] std::string withoutSlash(const std::string& frame);

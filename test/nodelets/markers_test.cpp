@@ -27,11 +27,7 @@ class CuboidMarkerTest : public ::testing::Test {
     test::addCuboid(map, *map.grid.cellOf(Vector3(0.51, 0.21, 0.5)), 0.70, 0.75);
     toMessage(map, "odom", map_);
   }
-  Marker marker(CuboidLayer layer = CuboidLayer::kLive) {
-    Marker marker;
-    toMarker(map_, layer, kStatic, marker);
-    return marker;
-  }
+  Marker marker(CuboidLayer layer = CuboidLayer::kLive) { return toMarker(map_, layer, kStatic); }
   /// Red, green and blue of the brightest face.
   std::array<float, 3> colour(CuboidLayer layer = CuboidLayer::kLive) {
     const Marker drawn = marker(layer);
@@ -102,9 +98,8 @@ TEST_F(CuboidMarkerTest, LiveCuboidsAreNotAmongTheHeld) {
 }
 
 TEST_F(CuboidMarkerTest, AnEmptyMapDeletesWhatWasDrawn) {
-  Marker drawn = marker();
   map_.cuboids.clear();
-  toMarker(map_, CuboidLayer::kLive, kStatic, drawn);
+  const Marker drawn = marker();
   EXPECT_EQ(drawn.action, Marker::DELETE);
   EXPECT_TRUE(drawn.points.empty());
 }
@@ -123,9 +118,7 @@ class RobotMarkerTest : public ::testing::Test {
     return checker_.check(now);
   }
   visualization_msgs::MarkerArray draw(const Verdict& verdict) {
-    visualization_msgs::MarkerArray markers;
-    toMarkers(verdict, checker_, "odom", markers);
-    return markers;
+    return toMarkers(verdict, checker_, "odom");
   }
   std::vector<Marker> draw(const Verdict& verdict, const std::string& name) {
     std::vector<Marker> drawn;
@@ -230,11 +223,8 @@ TEST(SelfFilterMarkersTest, TheBodyIsDrawnAsFarAsItIsFilteredOut) {
   sample.body.poses = {test::placedAt(1.0, 0.0, 0.0), test::placedAt(0.0, 2.0, 0.0),
                        test::placedAt(0.0, 0.0, 3.0)};
   sample.body.paddings_m = {0.06, 0.0, 0.01};
-  visualization_msgs::MarkerArray drawn;
-  drawn.markers.resize(9);
-  toMarkers(sample, "odom", drawn);
-  const auto& markers = drawn.markers;
-  ASSERT_EQ(markers.size(), 5U) << "what was there before is gone";
+  const auto markers = toMarkers(sample, "odom").markers;
+  ASSERT_EQ(markers.size(), 5U);
   std::set<int> ids;
   for (const Marker& marker : markers) {
     EXPECT_EQ(marker.ns, "self filter");
@@ -259,8 +249,7 @@ TEST(SelfFilterMarkersTest, ABodyWithoutPaddingsIsDrawnAsItIs) {
   BodySample sample;
   sample.body.shapes = {Sphere{0.05}};
   sample.body.poses = {Pose::Identity()};
-  visualization_msgs::MarkerArray drawn;
-  toMarkers(sample, "odom", drawn);
+  const auto drawn = toMarkers(sample, "odom");
   ASSERT_EQ(drawn.markers.size(), 1U);
   EXPECT_NEAR(drawn.markers[0].scale.x, 0.1, 1e-9);
 }
@@ -321,9 +310,8 @@ TEST_F(RobotMarkerTest, AtEachLinkTheAgeOfWhatIsKnownIsWrittenFromGreenToRed) {
 
 TEST_F(RobotMarkerTest, TheOcclusionImageShowsLinksAndWhatHidesThem) {
   CuboidMap map = scene();
-  sensor_msgs::Image image;
   judge(map);
-  toImage(checker_.checkHere().occlusion().picture(), image);
+  sensor_msgs::Image image = toImage(checker_.checkHere().occlusion().picture());
   ASSERT_EQ(image.encoding, sensor_msgs::image_encodings::RGB8);
   ASSERT_EQ(image.data.size(), std::size_t{3} * image.width * image.height);
   const auto pixels = [&image](bool blue) {
@@ -339,7 +327,7 @@ TEST_F(RobotMarkerTest, TheOcclusionImageShowsLinksAndWhatHidesThem) {
   test::addBlock(map, UprightBox(Vector3(0.2, -0.2, 1.0), Vector3(0.4, 0.2, 1.1)));
   test::lookAround(map);
   EXPECT_EQ(judge(map).reason, Reason::kOcclusion);
-  toImage(checker_.checkHere().occlusion().picture(), image);
+  image = toImage(checker_.checkHere().occlusion().picture());
   EXPECT_GT(pixels(true), 0U);
 }
 

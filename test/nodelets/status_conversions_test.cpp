@@ -68,9 +68,7 @@ class VerdictConversionTest : public ::testing::Test {
     return {};
   }
   tccm_monitor::MonitorStatus statusOf(const Verdict& verdict) {
-    tccm_monitor::MonitorStatus status;
-    toMessage(verdict, checker_, status);
-    return status;
+    return tccm::statusOf(verdict, checker_);
   }
 
   Checker checker_;

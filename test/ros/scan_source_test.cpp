@@ -55,8 +55,7 @@ class ScanSourceTest : public ::testing::Test {
   }
 
   AssemblerConfig settings_;
-  tf2::BufferCore buffer_;
-  TransformHistory history_{buffer_, fromSeconds(0.1), fromSeconds(10.0)};
+  TransformHistory history_{fromSeconds(0.1)};
 };
 
 TEST_F(ScanSourceTest, AScanLeavesOnceThereAreTransformsAroundAllItsBeams) {

@@ -48,8 +48,7 @@ class TransformHistoryTest : public ::testing::Test {
                                            : std::numeric_limits<double>::quiet_NaN();
   }
 
-  tf2::BufferCore buffer_;
-  TransformHistory history_{buffer_, fromSeconds(0.1), fromSeconds(10.0)};
+  TransformHistory history_{fromSeconds(0.1)};
 };
 
 TEST_F(TransformHistoryTest, AQuaternionOfThreeDigitsIsARotation) {

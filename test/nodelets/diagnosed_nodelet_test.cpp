@@ -1,4 +1,4 @@
-#include "nodelets/message_pool.h"
+#include "nodelets/diagnosed_nodelet.h"
 
 #include <gtest/gtest.h>
 
