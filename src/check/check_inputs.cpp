@@ -34,6 +34,10 @@ Reason reasonOf(const std::string& dropped) {
   return Reason::kNoMap;
 }
 
+void append(const Cause& cause, std::vector<Cause>& causes) {
+  if (cause.reason != Reason::kClear) causes.push_back(cause);
+}
+
 }  // namespace
 
 void CheckInputs::Config::describe(ParameterTable& table) {
@@ -116,15 +120,11 @@ void CheckInputs::reset() {
 }
 
 bool CheckInputs::rootsKnown() const {
-  return std::all_of(roots_.begin(), roots_.end(), [](const auto& root) { return bool(root); });
+  return std::find(roots_.begin(), roots_.end(), std::nullopt) == roots_.end();
 }
 
 bool CheckInputs::within(Time now, double seconds) const {
   return now - *started_ <= fromSeconds(seconds);
-}
-
-Cause CheckInputs::clockCause() const {
-  return clock_stalls_ ? Cause(Reason::kNoClock, "simulated time stands still") : Cause();
 }
 
 Cause CheckInputs::jointsCause(Time now) {
@@ -190,7 +190,7 @@ Cause CheckInputs::silenceCause(Time now) const {
   return {Reason::kNoMap, ageText("scans come, but none was mapped for", silence)};
 }
 
-Cause CheckInputs::mapCause(Time now, bool joints_known) const {
+Cause CheckInputs::mapCause(Time now) {
   if (!map_) {
     if (within(now, config_.map_age_max_s)) return {Reason::kInit, "waiting for the first scan"};
     return silenceCause(now);
@@ -205,7 +205,8 @@ Cause CheckInputs::mapCause(Time now, bool joints_known) const {
                      !(assembled_ && *assembled_ - map_arrival_ > silenceMax());
   if (now - map_arrival_ > silenceMax() && !waits) return silenceCause(now);
   if (age > fromSeconds(config_.map_age_max_s)) {
-    if (waits && joints_known) {  // scans may wait for joint states as well
+    // Scans may wait for joint states as well.
+    if (waits && jointsCause(now).reason == Reason::kClear) {
       return {Reason::kNoTransform, ageText("scans wait for transforms; the newest in the map is "
                                             "older than",
                                             fromSeconds(config_.map_age_max_s))};
@@ -221,36 +222,31 @@ Cause CheckInputs::mapCause(Time now, bool joints_known) const {
   return {};
 }
 
-void CheckInputs::appendCauses(Time now, std::vector<Cause>& causes) {
+void CheckInputs::appendRobotCauses(Time now, std::vector<Cause>& causes) {
   if (!started_) started_ = now;
-  const auto add = [&causes](Cause cause) {
-    if (cause.reason != Reason::kClear) causes.push_back(std::move(cause));
-  };
-  add(clockCause());
-  const Cause joints = jointsCause(now);
-  const bool joints_known = joints.reason == Reason::kClear;
-  add(joints);
-  for (std::size_t root = 0; root < roots_.size(); ++root) add(rootCause(now, root));
-  add(mapCause(now, joints_known));
+  if (clock_stalls_) causes.emplace_back(Reason::kNoClock, "simulated time stands still");
+  append(jointsCause(now), causes);
+  for (std::size_t root = 0; root < roots_.size(); ++root) append(rootCause(now, root), causes);
+}
+
+void CheckInputs::appendCauses(Time now, std::vector<Cause>& causes) {
+  appendRobotCauses(now, causes);
+  append(mapCause(now), causes);
+  append(outside_, causes);
 }
 
 Cause CheckInputs::worst(Time now) {
   std::vector<Cause> causes;
   appendCauses(now, causes);
-  Cause worst;
-  for (Cause& cause : causes) {
-    if (cause.isWorseThan(worst)) worst = std::move(cause);
-  }
-  return worst;
+  const auto worst = std::max_element(
+      causes.begin(), causes.end(), [](const auto& a, const auto& b) { return b.isWorseThan(a); });
+  return worst == causes.end() ? Cause() : *worst;
 }
 
 bool CheckInputs::placesRobot(Time now) {
-  if (!started_) started_ = now;
-  if (clock_stalls_ || jointsCause(now).reason != Reason::kClear) return false;
-  for (std::size_t root = 0; root < roots_.size(); ++root) {
-    if (rootCause(now, root).reason != Reason::kClear) return false;
-  }
-  return true;
+  std::vector<Cause> causes;
+  appendRobotCauses(now, causes);
+  return causes.empty();
 }
 
 }  // namespace tccm

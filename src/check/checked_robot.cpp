@@ -6,7 +6,9 @@ UsedBody::UsedBody(const RobotModel& model, const LinkUse& use, const LinkUse::K
   const UsedShapes used = model.shapesFor(use, keys);
   shapes = used.shapes;
   for (std::size_t i = 0; i < shapes.size(); ++i) {
-    body.shapes.push_back(expanded(model.shapes()[shapes[i]].shape, used.expansions[i]));
+    const LinkShape& bare = model.shapes()[shapes[i]];
+    links.push_back(static_cast<std::uint32_t>(bare.link));
+    body.shapes.push_back(expanded(bare.shape, used.expansions[i]));
   }
   body.poses.resize(shapes.size(), Pose::Identity());
 }

@@ -5,6 +5,7 @@
 
 #include "check/collision_check.h"
 #include "check/occlusion_check.h"
+#include "robot/joint_path.h"
 #include "robot/kinematics.h"
 #include "robot/link_use.h"
 
@@ -23,8 +24,16 @@ struct UsedBody {
   /// Around each shape's frame, with whatever it may grow by [m].
   [[nodiscard]] std::vector<double> radii(double growth_m) const;
 
-  std::vector<std::size_t> shapes;  ///< indices into the model's shapes
-  Body body;                        ///< one shape for each of them; not placed at first
+  std::vector<std::size_t> shapes;   ///< indices into the model's shapes
+  std::vector<std::uint32_t> links;  ///< of each of them, index into the model's links
+  Body body;                         ///< one shape for each of them; not placed at first
+};
+
+/// A way of the robot among the cuboids of a map. Its roots stand still meanwhile.
+struct Way {
+  const CuboidMap& map;
+  const JointPath& path;
+  const std::vector<Pose>& T_fixed_roots;  ///< one for each of the model's roots
 };
 
 /// What all checks have to know of the robot, made once for a model and a configuration: which
@@ -33,22 +42,16 @@ class CheckedRobot {
  public:
   struct Config {
     LinkUse collision_use{Expansion{1.0, 0.03}};
-    LinkUse occlusion_use = linksAlone();
+    LinkUse occlusion_use;
     CollisionCheck::Config collision;
     OcclusionCheck::Config occlusion;
     bool check_occlusion = true;
 
+    /// Whether a grasped object must be seen is decided by its link.
+    Config() { occlusion_use.all_objects = false; }
     void describe(ParameterTable& table);
     /// @throws ConfigError
     void validate() const;
-
-   private:
-    /// Whether a grasped object must be seen is decided by its link.
-    [[nodiscard]] static LinkUse linksAlone() {
-      LinkUse use;
-      use.all_objects = false;
-      return use;
-    }
   };
 
   /// @throws ConfigError

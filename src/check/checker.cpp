@@ -4,14 +4,12 @@
 
 #include "base/stopwatch.h"
 #include "check/checker_parts.h"
-#include "check/self_test.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
 
 void Checker::Config::describe(ParameterTable& table) {
   pose.describe(table);
-  occlusion.describe(table);
   way.describe(table);
   braking.describe(table);
   evidence.describe(table);
@@ -35,10 +33,8 @@ Judges::Judges(const std::shared_ptr<const RobotModel>& model, const Checker::Co
       ahead(here),
       asked(here),
       contacts(robot, config.way, config.braking),
-      occlusion(robot, config.occlusion, config.way.moving_out_scale),
       evidence(robot, config.evidence),
       governed_speed(model, config.governed_speed, evidence.shapes()),
-      clearance(robot, config.clearance_radius_m),
       trajectory(robot, config.trajectory, config.clearance_radius_m,
                  config.evidence.slow_periods) {
   const std::vector<std::string> missed = selfTest(*robot, asked);
@@ -52,7 +48,7 @@ Checker::Parts::Parts(std::shared_ptr<const RobotModel> model, const Config& new
     : config(validated(new_config)),
       bare_model(std::move(model)),
       inputs(bare_model, config.inputs),
-      commanded(*bare_model, config.trajectories),
+      commanded(bare_model, config.trajectories),
       exemptions(config.exemptions),
       permission(config.permission),
       judges(bare_model, config) {}
@@ -125,7 +121,6 @@ const Verdict& Checker::Parts::check(Time now) {
   findings.touching = {};
   findings.window = map ? map->window : Duration::zero();
   inputs.appendCauses(now, findings.causes);
-  if (outside.reason != Reason::kClear) findings.causes.push_back(outside);
   verdict.known = findings.known = findings.causes.empty();
   if (const std::string defect = commanded.defect(); !defect.empty()) {
     findings.causes.push_back({Reason::kBadTrajectory, "a commanded trajectory: " + defect});
@@ -145,7 +140,7 @@ void Checker::Parts::judge(Time now, const JointSnapshot& joints) {
   const CuboidMap& map = *inputs.map();
   Stopwatch stopwatch;
   commanded.follow(now, joints.positions);
-  findWays(model(), joints, commanded, judges.ways);
+  commanded.findWays(joints, judges.ways);
   verdict.follows_trajectory = judges.ways.follows_trajectory;
   const Posture& here = judges.kinematics_here.update(joints.positions, inputs.rootPoses());
   const Posture& ahead = judges.kinematics_ahead.update(judges.ways.end, inputs.rootPoses());
@@ -171,7 +166,7 @@ void Checker::Parts::judge(Time now, const JointSnapshot& joints) {
                             verdict.speed_scale};
   judges.contacts.judge(situation, findings.causes);
   times.way_us = stopwatch.lapMicroseconds();
-  judges.occlusion.judge(situation, findings.causes);
+  judgeOcclusion(situation, config.pose.occlusion, config.way.moving_out_scale, findings.causes);
   judges.evidence.judge(situation, findings.causes);
   times.evidence_us = stopwatch.lapMicroseconds();
   judges.governed_speed.judge(situation, findings.causes);
@@ -185,7 +180,7 @@ void Checker::Parts::judge(Time now, const JointSnapshot& joints) {
   verdict.governed_scale = judges.governed_speed.limit().scale;
   if (config.clearance_radius_m <= 0.0) return;
   stopwatch.lapMicroseconds();
-  verdict.clearances = judges.clearance.find(map, here);
+  verdict.clearances = judges.here.findClearances(map, here, config.clearance_radius_m);
   times.clearance_us = stopwatch.lapMicroseconds();
 }
 
@@ -199,11 +194,6 @@ void Checker::Parts::decide(Time now) {
   verdict.latched = decision.latched;
   verdict.speed_scale = decision.speed_scale;
   verdict.stop = verdict.level >= Level::kStop;
-}
-
-Cause Checker::Parts::fault(Time now) {
-  return std::max(inputs.worst(now), outside,
-                  [](const Cause& a, const Cause& b) { return b.isWorseThan(a); });
 }
 
 Checker::Checker(std::shared_ptr<const RobotModel> model, const Config& config)
@@ -235,13 +225,12 @@ void Checker::setMap(Time now, std::shared_ptr<const CuboidMap> map) {
 std::string Checker::command(Time now, const JointTrajectory& trajectory) {
   CheckInputs& inputs = parts_->inputs;
   const JointSnapshot* joints = inputs.placesRobot(now) ? inputs.joints() : nullptr;
-  if (!joints) return parts_->commanded.command(now, trajectory, parts_->model(), {});
-  return parts_->commanded.command(now, trajectory, parts_->model(), joints->positions,
-                                   joints->velocities);
+  if (!joints) return parts_->commanded.command(now, trajectory, {});
+  return parts_->commanded.command(now, trajectory, joints->positions, joints->velocities);
 }
 
 void Checker::setLatency(double seconds) { parts_->config.braking.latency_s = seconds; }
-void Checker::setOutsideCause(const Cause& cause) { parts_->outside = cause; }
+void Checker::setOutsideCause(const Cause& cause) { parts_->inputs.setOutsideCause(cause); }
 
 void Checker::attach(const AttachedObject& object) {
   std::vector<AttachedObject> objects = parts_->attachedBut(object.name);

@@ -64,7 +64,7 @@ StateAnswer Checker::checkState(Time now, const std::vector<std::string>& names,
   if (names.empty() || names.size() != positions.size()) {
     return refuse("as many positions as joint names are needed, and one at least");
   }
-  answer.cause = parts_->fault(now);
+  answer.cause = parts_->inputs.worst(now);
   answer.cause.link.clear();
   if (answer.cause.reason != Reason::kClear) return answer;
   CheckInputs& inputs = parts_->inputs;
@@ -98,7 +98,7 @@ StateAnswer Checker::checkState(Time now, const std::vector<std::string>& names,
 
 TrajectoryAnswer Checker::checkTrajectory(Time now, const JointTrajectory& trajectory) {
   TrajectoryAnswer answer;
-  answer.cause = parts_->fault(now);
+  answer.cause = parts_->inputs.worst(now);
   if (answer.cause.reason != Reason::kClear) return answer;
   if (parts_->exemptions.expire(now)) parts_->exempt();
   if (trajectory.points.size() > parts_->config.trajectories.points_max) {

@@ -56,40 +56,38 @@ ContactJudge::ContactJudge(const std::shared_ptr<const CheckedRobot>& robot, con
       escape_(robot->model().variables().size()) {}
 
 void ContactJudge::judge(const Situation& situation, Causes& causes) {
-  const double joints_age_s = toSeconds(situation.now - situation.joints.oldest);
-  delay_s_ = situation.braking.delay(joints_age_s);
+  delay_s_ = situation.braking.delay(toSeconds(situation.now - situation.joints.oldest));
   const auto ahead = firstAhead(situation);
+  Cause coming = ahead ? causeOf(*ahead, situation.braking) : Cause();
   first_contact_ = ahead;
   touching_ = {};
   if (situation.here.collision) {
     // Where not all is known no way out is known either.
-    const bool is_blocked = !situation.known || (ahead && stops(*ahead, situation.braking));
-    judgePresent(situation, is_blocked, causes);
+    judgePresent(situation, !situation.known || coming.level == Level::kStop, causes);
   }
   collision_ = situation.here.collision || (ahead && !ahead->by_margin);
-  if (ahead) judgeAhead(*ahead, situation, causes);
+  if (ahead) causes.push_back(std::move(coming));
 }
 
-std::optional<WayContact> ContactJudge::along(const Situation& situation, const JointPath& way) {
-  const double end_s = config_.horizon_s;
-  const std::vector<Pose>& T_fixed_roots = situation.posture.T_fixed_roots;
-  way_.setMargins(way, 0.0, end_s, T_fixed_roots, delay_s_);
-  auto grown = way_.firstContact(situation.map, way, 0.0, end_s, T_fixed_roots);
+std::optional<WayContact> ContactJudge::along(const Way& way) {
+  way_.setMargins(way, 0.0, config_.horizon_s, delay_s_);
+  auto grown = way_.firstContact(way, 0.0, config_.horizon_s);
   poses_ += way_.poses();
   if (!grown) return std::nullopt;
   way_.clearMargins();
-  const auto found = way_.firstContact(situation.map, way, 0.0, end_s, T_fixed_roots);
+  const auto found = way_.firstContact(way, 0.0, config_.horizon_s);
   poses_ += way_.poses();
   grown->by_margin = true;
   return found ? found : grown;
 }
 
 std::optional<WayContact> ContactJudge::firstAhead(const Situation& situation) {
+  const std::vector<Pose>& T_fixed_roots = situation.posture.T_fixed_roots;
   way_.skip(situation.here.contacts);
   poses_ = 0;
-  const auto measured = along(situation, situation.ways.measured);
+  const auto measured = along({situation.map, situation.ways.measured, T_fixed_roots});
   if (!situation.ways.follows_trajectory) return measured;
-  const auto commanded = along(situation, situation.ways.commanded);
+  const auto commanded = along({situation.map, situation.ways.commanded, T_fixed_roots});
   if (!measured || !commanded) return measured ? measured : commanded;
   if (measured->by_margin != commanded->by_margin) {
     return measured->by_margin ? commanded : measured;
@@ -112,7 +110,7 @@ void ContactJudge::judgePresent(const Situation& situation, bool is_blocked, Cau
   }
 }
 
-void ContactJudge::judgeAhead(const WayContact& ahead, const Situation& situation, Causes& causes) {
+Cause ContactJudge::causeOf(const WayContact& ahead, const Braking& braking) const {
   const RobotModel& model = robot_->model();
   const std::string& link = model.linkOf(ahead.contact.shape);
   const std::string what = textOfContact(
@@ -120,41 +118,31 @@ void ContactJudge::judgeAhead(const WayContact& ahead, const Situation& situatio
       ahead.by_margin ? " comes too near to the map for its speed" : " touches the map ahead");
   char text[200];
   std::snprintf(text, sizeof text, "%.150s in %.0f ms", what.c_str(), 1e3 * ahead.time_s);
-  if (stops(ahead, situation.braking)) {
-    causes.push_back(Cause::stopping(Reason::kCollisionAhead, text, link));
-  } else {
-    causes.push_back(
-        Cause::slowing(Reason::kCollisionAhead, scaleFor(ahead, situation.braking), text, link));
+  // A contact that comes sooner cannot be waited for.
+  const double halt_s =
+      config_.stop_time_s + delay_s_ + 0.5 * ahead.link_speed_mps / braking.deceleration_mps2;
+  if (!ahead.by_margin && ahead.time_s <= halt_s) {
+    return Cause::stopping(Reason::kCollisionAhead, text, link);
   }
+  const double span_s = config_.horizon_s - halt_s;
+  const double share = span_s > 0.0 ? (ahead.time_s - halt_s) / span_s : 0.0;
+  return Cause::slowing(Reason::kCollisionAhead, std::clamp(share, config_.slow_scale_min, 1.0),
+                        text, link);
 }
 
 bool ContactJudge::movesOut(const Situation& situation) {
   const bool follows = situation.ways.follows_trajectory;
+  const Way way{situation.map, escape_, situation.posture.T_fixed_roots};
   const auto opens = [&](bool must_open) {
-    const double until_s = moving_out_.timeOf(escape_, kEscape_m);
-    return moving_out_.opens(situation.map, situation.here.contacts, escape_, until_s,
-                             situation.posture.T_fixed_roots, must_open);
+    return moving_out_.opens(way, situation.here.contacts, moving_out_.timeOf(escape_, kEscape_m),
+                             must_open);
   };
-  extrapolate(robot_->model(), situation.joints, follows ? config_.horizon_s : kEscape_s, escape_);
+  situation.commanded.makeMeasuredWay(situation.joints, follows ? config_.horizon_s : kEscape_s,
+                                      escape_);
   if (!opens(!follows)) return false;
   if (!follows) return true;
-  situation.commanded.makeWay(robot_->model(), situation.joints, kEscape_s, escape_);
+  situation.commanded.makeWay(situation.joints, kEscape_s, escape_);
   return opens(true);
-}
-
-double ContactJudge::haltTime(const WayContact& contact, const Braking& braking) const {
-  return config_.stop_time_s + delay_s_ + 0.5 * contact.link_speed_mps / braking.deceleration_mps2;
-}
-
-bool ContactJudge::stops(const WayContact& contact, const Braking& braking) const {
-  return !contact.by_margin && contact.time_s <= haltTime(contact, braking);
-}
-
-double ContactJudge::scaleFor(const WayContact& contact, const Braking& braking) const {
-  const double halt_s = haltTime(contact, braking);
-  const double span = config_.horizon_s - halt_s;
-  const double share = span > 0.0 ? (contact.time_s - halt_s) / span : 0.0;
-  return std::clamp(share, config_.slow_scale_min, 1.0);
 }
 
 }  // namespace tccm

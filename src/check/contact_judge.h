@@ -44,18 +44,14 @@ class ContactJudge {
 
  private:
   [[nodiscard]] std::optional<WayContact> firstAhead(const Situation& situation);
-  [[nodiscard]] std::optional<WayContact> along(const Situation& situation, const JointPath& way);
+  [[nodiscard]] std::optional<WayContact> along(const Way& way);
   void judgePresent(const Situation& situation, bool is_blocked, Causes& causes);
-  void judgeAhead(const WayContact& ahead, const Situation& situation, Causes& causes);
+  /// STOP where the contact comes before the robot can halt, SLOW later.
+  [[nodiscard]] Cause causeOf(const WayContact& ahead, const Braking& braking) const;
   /// Whether the robot moves out of its contacts: as it is commanded, and measured not to do the
   /// contrary; without a trajectory as it is measured. Looked at is the way of the next
   /// centimetres, however slow it is.
   [[nodiscard]] bool movesOut(const Situation& situation);
-  /// A contact that comes sooner cannot be waited for [s].
-  [[nodiscard]] double haltTime(const WayContact& contact, const Braking& braking) const;
-  /// STOP where the contact comes before the robot can halt, SLOW later.
-  [[nodiscard]] bool stops(const WayContact& contact, const Braking& braking) const;
-  [[nodiscard]] double scaleFor(const WayContact& contact, const Braking& braking) const;
 
   std::shared_ptr<const CheckedRobot> robot_;
   Config config_;

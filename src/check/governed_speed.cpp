@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "geometry/distance.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
@@ -21,25 +22,25 @@ constexpr double kSameWay = 0.8;           // of a point's speed, by another tow
 constexpr double kNearer = 0.01;           // [m] by which another part is first at a place
 constexpr std::size_t kPlacesMax = 128;    // of one point
 
-/// Points to watch, on the primitive's axis, and its radius there.
-struct PointsOf {
-  std::vector<Vector3> points;
-  double radius = 0.0;
-  explicit PointsOf(const Shape& shape) { std::visit(*this, shape); }
-  void operator()(const Sphere& s) { add({0.0}, s.radius); }
-  void operator()(const Capsule& c) { add({-c.half_length, c.half_length}, c.radius); }
-  void operator()(const Cylinder& c) { add({-c.half_length, c.half_length}, c.radius); }
-  void operator()(const Box& box) {
-    points = {Vector3::Zero()};
-    radius = box.half_extents.norm();
-  }
-  void add(const std::vector<double>& heights, double r) {
-    for (const double z : heights) points.emplace_back(0.0, 0.0, z);
-    radius = r;
-  }
-};
-
 }  // namespace
+
+void ObeyedScale::Range::widenBy(double scale) {
+  least = std::min(least, scale);
+  most = std::max(most, scale);
+}
+
+void ObeyedScale::add(Time now, double scale, double braking, Duration lag) {
+  const double braked = last_ ? most_ - braking * toSeconds(now - *last_) : 1.0;
+  if (!last_ || now - begun_ > lag) {
+    before_ = present_;
+    present_ = {scale, scale};
+    begun_ = now;
+  }
+  last_ = now;
+  present_.widenBy(scale);
+  least_ = std::min(before_.least, present_.least);
+  most_ = std::max({before_.most, present_.most, braked});
+}
 
 void GovernedSpeed::Config::describe(ParameterTable& table) {
   table.add("appear_distance_m", &appear_distance_m, "m", {0.0, 2.0},
@@ -63,12 +64,21 @@ GovernedSpeed::GovernedSpeed(std::shared_ptr<const RobotModel> model, const Conf
   for (const std::size_t shape : shapes) addTracks(shape);
 }
 
+/// At the ends of a primitive's axis, or in its middle.
 void GovernedSpeed::addTracks(std::size_t shape) {
-  const PointsOf points(model_->shapes()[shape].shape);
-  for (const Vector3& p_shape : points.points) {
-    tracks_.push_back({shape, p_shape, points.radius});
+  const auto add = [&](double height, double radius_m) {
+    tracks_.push_back({shape, {0.0, 0.0, height}, radius_m});
     tracks_.back().commanded_mps = config_.speed_max_mps;
     tracks_.back().places.reserve(kPlacesMax);
+  };
+  const Shape& solid = model_->shapes()[shape].shape;
+  const Shape axis = core(solid);
+  if (const auto* line = std::get_if<Capsule>(&axis)) {
+    const double radius_m = bounds(solid, Pose::Identity()).max().x();
+    add(-line->half_length, radius_m);
+    add(line->half_length, radius_m);
+  } else {
+    add(0.0, boundingRadius(solid));
   }
 }
 

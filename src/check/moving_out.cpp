@@ -30,9 +30,9 @@ MovingOut::MovingOut(std::shared_ptr<const CheckedRobot> robot)
   least_m_.resize(body_.shapes.size());
 }
 
-void MovingOut::place(const JointPath& way, double time_s, const std::vector<Pose>& T_fixed_roots) {
-  way.positionsAt(time_s, positions_);
-  body_.place(kinematics_.update(positions_, T_fixed_roots));
+void MovingOut::place(const Way& way, double time_s) {
+  way.path.positionsAt(time_s, positions_);
+  body_.place(kinematics_.update(positions_, way.T_fixed_roots));
 }
 
 double MovingOut::coreDistance(const CuboidMap& map, std::size_t shape,
@@ -84,36 +84,33 @@ double MovingOut::timeOf(const JointPath& way, double metres) {
   return after;
 }
 
-bool MovingOut::closesBetween(const CuboidMap& map, const JointPath& way, double from_s,
-                              double to_s, const std::vector<Pose>& T_fixed_roots) {
-  if (furthest(way, from_s, to_s) > kStep) {
+bool MovingOut::closesBetween(const Way& way, double from_s, double to_s) {
+  if (furthest(way.path, from_s, to_s) > kStep) {
     if (to_s - from_s < kJump) return true;
     const double middle_s = 0.5 * (from_s + to_s);
-    return closesBetween(map, way, from_s, middle_s, T_fixed_roots) ||
-           closesBetween(map, way, middle_s, to_s, T_fixed_roots);
+    return closesBetween(way, from_s, middle_s) || closesBetween(way, middle_s, to_s);
   }
   if (++poses_ > kPosesMax) return true;  // too fast to be looked at
-  place(way, to_s, T_fixed_roots);
-  return closesAny(map);
+  place(way, to_s);
+  return closesAny(way.map);
 }
 
-bool MovingOut::opens(const CuboidMap& map, const std::vector<Contact>& contacts,
-                      const JointPath& way, double until_s, const std::vector<Pose>& T_fixed_roots,
+bool MovingOut::opens(const Way& way, const std::vector<Contact>& contacts, double until_s,
                       bool must_open) {
   if (contacts.size() >= contacts_max_) return false;  // not all of them are known
-  place(way, way.begin(), T_fixed_roots);
+  place(way, way.path.begin());
   pairs_.clear();
   std::fill(least_m_.begin(), least_m_.end(), kInfinity);
   for (const Contact& contact : contacts) {
     const auto used = std::find(body_.shapes.begin(), body_.shapes.end(), contact.shape);
     const auto shape = static_cast<std::size_t>(used - body_.shapes.begin());
-    const double metres = coreDistance(map, shape, contact.cuboid);
+    const double metres = coreDistance(way.map, shape, contact.cuboid);
     if (metres == 0.0) return false;
     pairs_.push_back({shape, contact.cuboid, metres, metres});
     least_m_[shape] = std::min(least_m_[shape], metres);
   }
   poses_ = 0;
-  if (closesBetween(map, way, way.begin(), until_s, T_fixed_roots)) return false;
+  if (closesBetween(way, way.path.begin(), until_s)) return false;
   // Of each shape what was nearest has to recede; the rest must only not come nearer.
   return !must_open || std::all_of(pairs_.begin(), pairs_.end(), [this](const Pair& pair) {
     return pair.first_m > least_m_[pair.shape] || pair.last_m >= pair.first_m + kOpens;

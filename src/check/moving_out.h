@@ -1,11 +1,9 @@
 #pragma once
 
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "check/checked_robot.h"
-#include "robot/joint_path.h"
 #include "robot/motion_bound.h"
 
 namespace tccm {
@@ -24,9 +22,8 @@ class MovingOut {
   [[nodiscard]] double timeOf(const JointPath& way, double metres);
   /// @param contacts of the pose at the way's begin.
   /// @param must_open false: it is enough that nothing closes.
-  [[nodiscard]] bool opens(const CuboidMap& map, const std::vector<Contact>& contacts,
-                           const JointPath& way, double until_s,
-                           const std::vector<Pose>& T_fixed_roots, bool must_open);
+  [[nodiscard]] bool opens(const Way& way, const std::vector<Contact>& contacts, double until_s,
+                           bool must_open);
 
  private:
   /// Of one contact.
@@ -37,10 +34,9 @@ class MovingOut {
   };
   [[nodiscard]] double coreDistance(const CuboidMap& map, std::size_t shape,
                                     std::uint32_t cuboid) const;
-  void place(const JointPath& way, double time_s, const std::vector<Pose>& T_fixed_roots);
+  void place(const Way& way, double time_s);
   [[nodiscard]] bool closesAny(const CuboidMap& map);
-  [[nodiscard]] bool closesBetween(const CuboidMap& map, const JointPath& way, double from_s,
-                                   double to_s, const std::vector<Pose>& T_fixed_roots);
+  [[nodiscard]] bool closesBetween(const Way& way, double from_s, double to_s);
   /// How far any primitive moves at most.
   [[nodiscard]] double furthest(const JointPath& way, double from_s, double to_s);
 

@@ -134,7 +134,7 @@ ColorRGBA colorOf(std::size_t shape, const PoseFindings& findings, const Checker
 
 void addBody(const PoseFindings& findings, const PoseCheck& check, const Checker& checker,
              Marker prototype, float alpha, visualization_msgs::MarkerArray& markers) {
-  const auto& [shapes, body] = check.collisionBody();
+  const auto& [shapes, links, body] = check.collisionBody();
   for (std::size_t i = 0; i < body.shapes.size(); ++i) {
     prototype.color = colorOf(shapes[i], findings, checker, alpha);
     std::visit(ShapeMarkers(prototype, body.poses[i], markers.markers), body.shapes[i]);
@@ -275,17 +275,15 @@ void addEvidenceAges(const Checker& checker, Marker prototype,
                      visualization_msgs::MarkerArray& markers) {
   const double too_old_s =
       checker.config().evidence.stop_periods * toSeconds(checker.map()->look_period);
-  const auto& [shapes, body] = checker.checkHere().collisionBody();
+  const UsedBody& used = checker.checkHere().collisionBody();
   prototype.ns = "evidence age";
   prototype.type = Marker::TEXT_VIEW_FACING;
   prototype.scale.z = 0.03;
   for (const LinkEvidence& link : checker.evidence().findings().links) {
-    const auto shape = std::find_if(shapes.begin(), shapes.end(), [&](std::size_t s) {
-      return checker.model()->shapes()[s].link == link.link;
-    });
-    if (shape == shapes.end()) continue;
-    const auto index = static_cast<std::size_t>(shape - shapes.begin());
-    const Vector3 p = body.poses[index].translation();
+    const auto first = std::find(used.links.begin(), used.links.end(), link.link);
+    if (first == used.links.end()) continue;
+    const auto index = static_cast<std::size_t>(first - used.links.begin());
+    const Vector3 p = used.body.poses[index].translation();
     char text[16] = "?";
     if (link.age_s) std::snprintf(text, sizeof text, "%.1f s", *link.age_s);
     prototype.id = static_cast<int>(markers.markers.size());

@@ -1,4 +1,4 @@
-#include "check/obeyed_scale.h"
+#include "check/governed_speed.h"
 
 #include <gtest/gtest.h>
 

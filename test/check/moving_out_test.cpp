@@ -56,7 +56,7 @@ class MovingOutTest : public ::testing::Test {
                findings);
     contacts_ = findings.contacts.size();
     MovingOut moving_out(robot);
-    return moving_out.opens(map_, findings.contacts, way, until_s, kAtOrigin, must_open);
+    return moving_out.opens({map_, way, kAtOrigin}, findings.contacts, until_s, must_open);
   }
 
   std::shared_ptr<const RobotModel> model_ = test::sliderModel();
@@ -201,7 +201,7 @@ TEST_F(MovingOutTest, AJumpIsNoWayOut) {
   PoseFindings findings;
   pose.check(map_, test::postureOf(model_, at(0.75, 0.0)), findings);
   EXPECT_FALSE(MovingOut(test::checked(model_, config_))
-                   .opens(map_, findings.contacts, way, 0.5, kAtOrigin, true));
+                   .opens({map_, way, kAtOrigin}, findings.contacts, 0.5, true));
 }
 
 TEST_F(MovingOutTest, WhereNotAllContactsAreKnownNothingIsSaid) {
@@ -269,7 +269,7 @@ TEST_F(MovingOutTest, ACapsuleIsJudgedByItsAxis) {
     pose.check(map_, test::postureOf(model, {0.0}), findings);
     EXPECT_TRUE(findings.collision);
     MovingOut moving_out(test::checked(model, config_));
-    return moving_out.opens(map_, findings.contacts, way, 0.5, kAtOrigin, false);
+    return moving_out.opens({map_, way, kAtOrigin}, findings.contacts, 0.5, false);
   };
   EXPECT_TRUE(turns(-0.1));
   EXPECT_FALSE(turns(0.1));

@@ -1,4 +1,4 @@
-#include "check/self_test.h"
+#include "check/pose_check.h"
 
 #include <gtest/gtest.h>
 

@@ -14,7 +14,7 @@ class MadeSituation {
       : check_(checked(model), 1.5),
         kinematics_(model),
         ways_(model->variables().size(), 0.5),
-        commanded_(*model, {}) {}
+        commanded_(model, {}) {}
 
   Situation at(Time now, const CuboidMap& map, const JointSnapshot& joints,
                double applied_scale = 1.0) {
