@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "tccm_monitor/config_error.h"
-
 namespace tccm {
 namespace {
 

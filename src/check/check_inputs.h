@@ -20,11 +20,11 @@ class CheckInputs {
     std::string fixed_frame = "?";  ///< for what is told to people
     JointStates::Config joints;
     double joint_timeout_s = 0.1;
-    double transform_timeout_s = 0.5;     ///< age of the root's pose
-    double scan_timeout_periods = 3.0;    ///< without a scan or a new map, in measured scan periods
-    double map_age_max_s = 0.5;           ///< from the newest scan's stamp to the check
-    double future_max_s = 0.1;            ///< a stamp may lead the check by this much
-    double transform_future_max_s = 0.5;  ///< the same of a transform; many publishers date ahead
+    double transform_timeout_s = 0.5;
+    double scan_timeout_periods = 3.0;
+    double map_age_max_s = 0.5;
+    double future_max_s = 0.1;
+    double transform_future_max_s = 0.5;
 
     void describe(ParameterTable& table);
   };

@@ -25,10 +25,6 @@ void Checker::Config::describe(ParameterTable& table) {
 
 Judges::Judges(const std::shared_ptr<const RobotModel>& model, const Checker::Config& config)
     : robot(std::make_shared<CheckedRobot>(model, config.pose)),
-      kinematics_here(model),
-      kinematics_ahead(model),
-      kinematics_asked(model),
-      ways(model->variables().size(), config.way.horizon_s),
       here(robot, config.evidence.slow_periods),
       ahead(here),
       asked(here),
@@ -69,7 +65,8 @@ void Checker::Parts::renew(const Config& new_config, std::vector<AttachedObject>
 }
 
 void Checker::Parts::exempt() {
-  judges.robot->exempt(exemptions.regionsOf(model(), judges.robot->collisionBody().shapes));
+  judges.robot->collision.exempt(
+      exemptions.regionsOf(model(), judges.robot->collision_body.shapes));
 }
 
 std::vector<AttachedObject> Checker::Parts::attachedBut(const std::string& name) const {
@@ -140,47 +137,37 @@ void Checker::Parts::judge(Time now, const JointSnapshot& joints) {
   const CuboidMap& map = *inputs.map();
   Stopwatch stopwatch;
   commanded.follow(now, joints.positions);
-  commanded.findWays(joints, judges.ways);
-  verdict.follows_trajectory = judges.ways.follows_trajectory;
-  const Posture& here = judges.kinematics_here.update(joints.positions, inputs.rootPoses());
-  const Posture& ahead = judges.kinematics_ahead.update(judges.ways.end, inputs.rootPoses());
-  judges.here.findContacts(map, here, verdict.now);
-  judges.ahead.findContacts(map, ahead, verdict.ahead);
+  const Ways& ways = commanded.findWays(joints, config.way.horizon_s);
+  verdict.follows_trajectory = ways.follows_trajectory;
+  judges.here.place(joints.positions, inputs.rootPoses());
+  judges.ahead.place(ways.end, inputs.rootPoses());
+  judges.here.findContacts(map, verdict.now);
+  judges.ahead.findContacts(map, verdict.ahead);
   times.collision_us = stopwatch.lapMicroseconds();
-  judges.here.findOcclusion(map, here, verdict.now);
-  judges.ahead.findOcclusion(map, ahead, verdict.ahead);
+  judges.here.findOcclusion(map, verdict.now);
+  judges.ahead.findOcclusion(map, verdict.ahead);
   times.occlusion_us = stopwatch.lapMicroseconds();
 
-  const Situation situation{now,
-                            map,
-                            joints,
-                            here,
-                            judges.ways,
-                            commanded,
-                            judges.here,
-                            judges.ahead,
-                            verdict.now,
-                            verdict.ahead,
-                            config.braking,
-                            verdict.known,
-                            verdict.speed_scale};
-  judges.contacts.judge(situation, findings.causes);
+  const Situation situation{
+      now,         map,           joints,         commanded,     judges.here,        judges.ahead,
+      verdict.now, verdict.ahead, config.braking, verdict.known, verdict.speed_scale};
+  const ContactJudge::Findings& contacts = judges.contacts.judge(situation, findings.causes);
   times.way_us = stopwatch.lapMicroseconds();
   judgeOcclusion(situation, config.pose.occlusion, config.way.moving_out_scale, findings.causes);
   judges.evidence.judge(situation, findings.causes);
   times.evidence_us = stopwatch.lapMicroseconds();
   judges.governed_speed.judge(situation, findings.causes);
 
-  findings.touching = judges.contacts.touching();
-  verdict.collision = judges.contacts.collision();
-  verdict.first_contact = judges.contacts.firstContact();
-  verdict.way_poses = judges.contacts.poses();
+  findings.touching = contacts.touching;
+  verdict.collision = contacts.collision;
+  verdict.first_contact = contacts.first_contact;
+  verdict.way_poses = contacts.poses;
   verdict.occlusion = verdict.now.occlusion || verdict.ahead.occlusion;
   verdict.unseen_fraction = judges.evidence.findings().unseen_fraction;
   verdict.governed_scale = judges.governed_speed.limit().scale;
   if (config.clearance_radius_m <= 0.0) return;
   stopwatch.lapMicroseconds();
-  verdict.clearances = judges.here.findClearances(map, here, config.clearance_radius_m);
+  verdict.clearances = judges.here.findClearances(map, config.clearance_radius_m);
   times.clearance_us = stopwatch.lapMicroseconds();
 }
 
@@ -274,7 +261,7 @@ std::string Checker::reset() { return parts_->permission.reset(); }
 void Checker::startAnew() { parts_->startAnew(); }
 
 const std::shared_ptr<const RobotModel>& Checker::model() const {
-  return parts_->judges.robot->sharedModel();
+  return parts_->judges.robot->model;
 }
 
 std::vector<std::string> Checker::missingJoints() const {

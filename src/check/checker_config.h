@@ -1,7 +1,6 @@
 #pragma once
 
 #include "check/check_inputs.h"
-#include "check/checked_robot.h"
 #include "check/contact_judge.h"
 #include "check/evidence_check.h"
 #include "check/exemptions.h"

@@ -12,8 +12,6 @@ namespace tccm {
 /// the judges that look at it.
 struct Judges {
   std::shared_ptr<CheckedRobot> robot;
-  Kinematics kinematics_here, kinematics_ahead, kinematics_asked;
-  Ways ways;
   PoseCheck here, ahead, asked;
   ContactJudge contacts;
   EvidenceCheck evidence;
@@ -40,7 +38,7 @@ struct Checker::Parts {
   void startAnew();
   /// Without what is attached to it, but `name`.
   [[nodiscard]] std::vector<AttachedObject> attachedBut(const std::string& name) const;
-  [[nodiscard]] const RobotModel& model() const { return judges.robot->model(); }
+  [[nodiscard]] const RobotModel& model() const { return *judges.robot->model; }
 
   Config config;
   std::shared_ptr<const RobotModel> bare_model;  ///< with empty hands

@@ -6,7 +6,6 @@
 
 #include "geometry/distance.h"
 #include "geometry/overlap.h"
-#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {

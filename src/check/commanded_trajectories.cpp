@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tccm_monitor/config_error.h"
-
 namespace tccm {
 namespace {
 
@@ -36,12 +34,6 @@ bool shareAny(const std::vector<std::string>& a, const std::vector<std::string>&
 
 }  // namespace
 
-Ways::Ways(std::size_t variables, double until_s)
-    : horizon_s(until_s), measured(variables), commanded(variables), end(variables) {
-  measured.reserve(variables + 2);
-  commanded.reserve(kWayPoints);
-}
-
 void CommandedTrajectories::Config::describe(ParameterTable& table) {
   table.add("trajectory_deviation_max", &deviation_max, "rad, m", {1e-3, 10.0},
             "a robot that is further from its commanded trajectory does not follow it");
@@ -53,8 +45,12 @@ CommandedTrajectories::CommandedTrajectories(std::shared_ptr<const RobotModel> m
                                              const Config& config)
     : model_(std::move(model)),
       config_(validated(config)),
+      ways_{
+          JointPath(model_->variables().size()), JointPath(model_->variables().size()), false, {}},
       positions_(model_->variables().size()),
       way_point_(model_->variables().size()) {
+  ways_.measured.reserve(model_->variables().size() + 2);
+  ways_.commanded.reserve(kWayPoints);
   times_s_.reserve(kWayPoints);
   for (std::size_t v = 0; v < model_->variables().size(); ++v) {
     turning_.push_back(model_->turnsFreely(v));
@@ -215,11 +211,12 @@ void CommandedTrajectories::makeWay(const JointSnapshot& joints, double horizon_
   makeWay(joints, horizon_s, active_, path);
 }
 
-void CommandedTrajectories::findWays(const JointSnapshot& joints, Ways& ways) {
-  makeMeasuredWay(joints, ways.horizon_s, ways.measured);
-  ways.follows_trajectory = active();
-  if (ways.follows_trajectory) makeWay(joints, ways.horizon_s, ways.commanded);
-  (ways.follows_trajectory ? ways.commanded : ways.measured).positionsAt(ways.horizon_s, ways.end);
+const Ways& CommandedTrajectories::findWays(const JointSnapshot& joints, double horizon_s) {
+  makeMeasuredWay(joints, horizon_s, ways_.measured);
+  ways_.follows_trajectory = active();
+  if (ways_.follows_trajectory) makeWay(joints, horizon_s, ways_.commanded);
+  (ways_.follows_trajectory ? ways_.commanded : ways_.measured).positionsAt(horizon_s, ways_.end);
+  return ways_;
 }
 
 }  // namespace tccm

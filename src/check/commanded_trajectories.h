@@ -16,12 +16,9 @@ namespace tccm {
 
 /// Where the robot goes until the horizon.
 struct Ways {
-  Ways(std::size_t variables, double until_s);
-
-  double horizon_s;
   JointPath measured;   ///< where its velocities lead
   JointPath commanded;  ///< where it was told to go; only where it follows a trajectory
-  bool follows_trajectory = false;
+  bool follows_trajectory;
   std::vector<double> end;  ///< where it is at the horizon: as commanded, where it is that
 };
 
@@ -68,7 +65,9 @@ class CommandedTrajectories {
   /// The same for joints that no trajectory moves, the others along their trajectories.
   void makeWay(const JointSnapshot& joints, double horizon_s, JointPath& path);
   /// @pre it has followed the robot.
-  void findWays(const JointSnapshot& joints, Ways& ways);
+  const Ways& findWays(const JointSnapshot& joints, double horizon_s);
+  /// What the last findWays() found.
+  [[nodiscard]] const Ways& ways() const { return ways_; }
 
  private:
   struct Active {
@@ -98,6 +97,7 @@ class CommandedTrajectories {
   Config config_;
   std::vector<Active> active_;
   std::vector<Defect> defects_;
+  Ways ways_;
   std::vector<bool> turning_;      ///< by variable
   std::vector<double> times_s_;    ///< reused
   std::vector<double> positions_;  ///< reused

@@ -5,8 +5,6 @@
 #include <cstdio>
 #include <functional>
 
-#include "tccm_monitor/config_error.h"
-
 namespace tccm {
 namespace {
 
@@ -58,9 +56,9 @@ void EvidenceCheck::Config::describe(ParameterTable& table) {
 
 EvidenceCheck::EvidenceCheck(std::shared_ptr<const CheckedRobot> robot, const Config& config)
     : robot_(std::move(robot)), config_(validated(config)) {
-  const RobotModel& model = robot_->model();
-  const UsedBody& body = robot_->collisionBody();
-  LinkUse watched = robot_->config().occlusion_use;
+  const RobotModel& model = *robot_->model;
+  const UsedBody& body = robot_->collision_body;
+  LinkUse watched = robot_->config.occlusion_use;
   if (!config.links.empty()) watched.links = config.links;
   const std::vector<std::size_t> seen_shapes = model.shapesFor(watched, kEvidenceKeys).shapes;
   std::vector<LinkEvidence>& links = findings_.links;
@@ -82,7 +80,7 @@ void EvidenceCheck::judge(const Situation& situation, Causes& causes) {
   find(situation.map, situation.now, situation.check_here.collisionBody().body,
        situation.check_ahead.collisionBody().body);
   const auto nameOf = [this](const LinkEvidence* link) {
-    return robot_->model().links()[link->link];
+    return robot_->model->links()[link->link];
   };
   if (findings_.unseen_fraction > config_.unseen_fraction_max) {
     const std::string link = nameOf(most(findings_.links, [](const LinkEvidence& evidence) {

@@ -1,11 +1,9 @@
 #include "check/governed_speed.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 #include "geometry/distance.h"
-#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {
@@ -24,11 +22,6 @@ constexpr std::size_t kPlacesMax = 128;    // of one point
 
 }  // namespace
 
-void ObeyedScale::Range::widenBy(double scale) {
-  least = std::min(least, scale);
-  most = std::max(most, scale);
-}
-
 void ObeyedScale::add(Time now, double scale, double braking, Duration lag) {
   const double braked = last_ ? most_ - braking * toSeconds(now - *last_) : 1.0;
   if (!last_ || now - begun_ > lag) {
@@ -37,8 +30,7 @@ void ObeyedScale::add(Time now, double scale, double braking, Duration lag) {
     begun_ = now;
   }
   last_ = now;
-  present_.widenBy(scale);
-  least_ = std::min(before_.least, present_.least);
+  present_ = {std::min(present_.least, scale), std::max(present_.most, scale)};
   most_ = std::max({before_.most, present_.most, braked});
 }
 
@@ -118,7 +110,16 @@ void GovernedSpeed::takeOver(const GovernedSpeed& before) {
 void GovernedSpeed::judge(const Situation& situation, Causes& causes) {
   limit_ = {};
   if (!active()) return;
-  find(situation);
+  const CuboidMap& map = situation.map;
+  if (map.serial != serial_) {
+    serial_ = map.serial;
+    delay_s_ = std::max(kDelayForgotten * delay_s_, toSeconds(situation.now - map.stamp));
+  }
+  move(situation);
+  for (Track& track : tracks_) {
+    forgetSeen(map, track);
+    limitBy(track, situation);
+  }
   if (limit_.scale >= 1.0) return;
   const std::string& link = model_->links()[limit_.link];
   char text[200];
@@ -129,21 +130,6 @@ void GovernedSpeed::judge(const Situation& situation, Causes& causes) {
     std::snprintf(text, sizeof text, "%.100s: no look at the place ahead is due", link.c_str());
   }
   causes.push_back(Cause::slowing(Reason::kSpeedGoverned, limit_.scale, text, link));
-}
-
-void GovernedSpeed::find(const Situation& situation) {
-  noteDelay(situation.map, situation.now);
-  move(situation);
-  for (Track& track : tracks_) {
-    forgetSeen(situation.map, track);
-    limitBy(track, situation);
-  }
-}
-
-void GovernedSpeed::noteDelay(const CuboidMap& map, Time now) {
-  if (map.serial == serial_) return;
-  serial_ = map.serial;
-  delay_s_ = std::max(kDelayForgotten * delay_s_, toSeconds(now - map.stamp));
 }
 
 void GovernedSpeed::move(const Situation& situation) {
@@ -159,7 +145,7 @@ void GovernedSpeed::move(const Situation& situation) {
   for (std::size_t i = 0; i < positions_soon_.size(); ++i) {
     positions_soon_[i] = joints.positions[i] + kSoon * joints.velocities[i];
   }
-  const Posture& posture = situation.posture;
+  const Posture& posture = situation.check_here.posture();
   kinematics_soon_.update(positions_soon_, posture.T_fixed_roots);
   for (Track& track : tracks_) {
     const Vector3 p_fixed = posture.T_fixed_shapes[track.shape] * track.p_shape;
@@ -192,7 +178,7 @@ void GovernedSpeed::notePlace(Track& track, const Situation& situation) const {
   if (!is_due) return;
   const double ahead = track.radius_m + config_.appear_distance_m;
   const Vector3 p_fixed = track.p_fixed + ahead / speed * track.velocity;
-  if (isBehindAnother(track, p_fixed, situation.posture)) return;
+  if (isBehindAnother(track, p_fixed, situation.check_here.posture())) return;
   if (track.places.size() == kPlacesMax) track.places.erase(track.places.begin());
   track.places.push_back({p_fixed, track.travelled_m, situation.now});
 }

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -20,20 +19,18 @@ class ObeyedScale {
   /// states' delay. @pre now does not go back.
   void add(Time now, double scale, double braking, Duration lag);
 
-  [[nodiscard]] double least() const { return least_; }
+  [[nodiscard]] double least() const { return std::min(before_.least, present_.least); }
   [[nodiscard]] double most() const { return most_; }
 
  private:
+  /// Of permissions.
   struct Range {
-    double least;
-    double most;
-    void widenBy(double scale);
+    double least = 1.0, most = 1.0;
   };
   std::optional<Time> last_;
-  Time begun_ = {};             ///< the present part, of at least one lag
-  Range present_ = {1.0, 1.0};  ///< of permissions in it
-  Range before_ = {1.0, 1.0};   ///< in the part before
-  double least_ = 1.0;
+  Time begun_;     ///< the present part, of at least one lag
+  Range present_;  ///< in it
+  Range before_;   ///< in the part before
   double most_ = 1.0;
 };
 
@@ -49,10 +46,10 @@ class ObeyedScale {
 class GovernedSpeed {
  public:
   struct Config {
-    double appear_distance_m = 0.0;  ///< d; 0: the speed is not governed
-    double look_margin_m = 0.05;     ///< a look that ended this much before a place saw it
-    double speed_max_mps = 1.0;      ///< that a link is taken to be commanded, before it has moved
-    double place_step_m = 0.01;      ///< places are noted so far apart
+    double appear_distance_m = 0.0;  ///< d
+    double look_margin_m = 0.05;
+    double speed_max_mps = 1.0;
+    double place_step_m = 0.01;
 
     void describe(ParameterTable& table);
   };
@@ -62,8 +59,8 @@ class GovernedSpeed {
     double scale = 1.0;        ///< of the commanded speed
     std::size_t link = 0;      ///< that is limited most; meaningless where scale is 1
     double allowed_mps = 0.0;  ///< its speed then
-    std::optional<double>
-        next_look_s;  ///< until the place ahead of it is looked at; nothing: not due
+    /// Until the place ahead of it is looked at; nothing: no look is due.
+    std::optional<double> next_look_s;
   };
 
   /// @param shapes indices of the model's shapes whose points are watched. @throws ConfigError
@@ -102,7 +99,6 @@ class GovernedSpeed {
     std::vector<Place> places = {};
   };
   void addTracks(std::size_t shape);
-  void find(const Situation& situation);
   void move(const Situation& situation);
   void estimateCommand(Track& track, double seconds) const;
   void notePlace(Track& track, const Situation& situation) const;
@@ -111,7 +107,6 @@ class GovernedSpeed {
   [[nodiscard]] double marginAt(const LookImage& looks, const Vector3& p_fixed) const;
   void forgetSeen(const CuboidMap& map, Track& track) const;
   void limitBy(const Track& track, const Situation& situation);
-  void noteDelay(const CuboidMap& map, Time now);
 
   std::shared_ptr<const RobotModel> model_;
   Config config_;

@@ -1,9 +1,6 @@
 #include "check/occlusion_check.h"
 
-#include <algorithm>
-
 #include "check/situation.h"
-#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {
@@ -58,8 +55,7 @@ void OcclusionCheck::find(const CuboidMap& map, const Body& body, PoseFindings& 
   askLooks(map);
   if (buffer_.canBeCovered()) {
     for (std::uint32_t k = 0; k < map.cuboids.size(); ++k) {
-      const auto silhouette = buffer_.silhouette(map, k);
-      if (!silhouette || !buffer_.cover(*silhouette, config_.margin_m)) continue;
+      if (!buffer_.cover(map, map.cuboids[k], config_.margin_m)) continue;
       findings.occluding_cuboids.push_back(k);
     }
   }
@@ -89,7 +85,7 @@ void OcclusionCheck::askLooks(const CuboidMap& map) {
   const Duration old = fromSeconds(old_periods_ * toSeconds(map.look_period));
   const bool ages_matter = old > Duration::zero();  // else no period is known yet
   const LookImage::Ticks oldest = ages_matter ? looks.ticksAt(map.stamp - old) : 0;
-  const bool same_grid = looks.grid().rows() == buffer_.rows();
+  const bool same_grid = looks.grid().rows() == buffer_.grid().rows();
   sights_.clear();
   for (const std::uint32_t pixel : buffer_.drawn()) {
     const std::size_t look_pixel =
@@ -104,7 +100,8 @@ void OcclusionCheck::countPixels(std::vector<LinkVisibility>& links) const {
     const std::uint32_t pixel = buffer_.drawn()[i];
     const ZBuffer::Pixel& drawn = buffer_.pixelAt(pixel);
     LinkVisibility& link = links[slot_of_shape_[drawn.shape]];
-    const double weight = buffer_.weightAt(pixel);
+    // Solid angle of a pixel, relative to one at the horizon.
+    const double weight = buffer_.grid().cosine(buffer_.grid().rowOfPixel(pixel));
     link.silhouette += weight;
     if (sights_[i] == PixelSight::kVisible) continue;
     const bool is_occluded = sights_[i] == PixelSight::kOccluded || drawn.covered;

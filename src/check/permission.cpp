@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "tccm_monitor/config_error.h"
-
 namespace tccm {
 namespace {
 

@@ -28,9 +28,7 @@ struct Situation {
   Time now;
   const CuboidMap& map;
   const JointSnapshot& joints;
-  const Posture& posture;            ///< where the robot is
-  const Ways& ways;                  ///< where it goes until the horizon
-  CommandedTrajectories& commanded;  ///< what those rest on
+  CommandedTrajectories& commanded;  ///< has found where the robot goes until the horizon
   const PoseCheck& check_here;       ///< at the present pose
   const PoseCheck& check_ahead;      ///< at the end of the way
   const PoseFindings& here;          ///< what they found

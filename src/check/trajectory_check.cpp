@@ -1,10 +1,7 @@
 #include "check/trajectory_check.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
-
-#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {
@@ -32,37 +29,36 @@ TrajectoryCheck::TrajectoryCheck(const std::shared_ptr<const CheckedRobot>& robo
                                  double old_periods)
     : robot_(robot),
       config_(validated(config)),
-      kinematics_(robot->sharedModel()),
       pose_(robot, old_periods),
       way_(robot, config.step_m, 0.0),
       clearance_radius_m_(clearance_radius_m),
-      path_(robot->model().variables().size()) {}
+      path_(robot->model->variables().size()) {}
 
 TrajectoryAnswer TrajectoryCheck::check(const CuboidMap& map, const JointTrajectory& trajectory,
                                         const std::vector<double>& from,
                                         const std::vector<Pose>& T_fixed_roots) {
   TrajectoryAnswer answer;
-  const std::string defect = defectOf(trajectory, robot_->model());
+  const std::string defect = defectOf(trajectory, *robot_->model);
   if (!defect.empty()) {
     answer.cause = {Reason::kBadQuestion, defect};
     return answer;
   }
-  makePath(trajectory, robot_->model(), from, kSplineTolerance, path_);
+  makePath(trajectory, *robot_->model, from, kSplineTolerance, path_);
   const Way way{map, path_, T_fixed_roots};
   for (const JointTrajectory::Point& point : trajectory.points) {
-    const Posture& posture = postureAt(way, point.time_s);
-    answer.clearances_m.push_back(pose_.leastClearance(map, posture, clearance_radius_m_));
+    place(way, point.time_s);
+    answer.clearances_m.push_back(pose_.leastClearance(map, clearance_radius_m_));
   }
   findCollision(way, trajectory, answer);
-  if (answer.cause.reason == Reason::kClear && robot_->config().check_occlusion) {
+  if (answer.cause.reason == Reason::kClear && robot_->config.check_occlusion) {
     findOcclusion(way, trajectory, answer);
   }
   return answer;
 }
 
-const Posture& TrajectoryCheck::postureAt(const Way& way, double time_s) {
+void TrajectoryCheck::place(const Way& way, double time_s) {
   way.path.positionsAt(time_s, positions_);
-  return kinematics_.update(positions_, way.T_fixed_roots);
+  pose_.place(positions_, way.T_fixed_roots);
 }
 
 void TrajectoryCheck::findCollision(const Way& way, const JointTrajectory& trajectory,
@@ -71,7 +67,7 @@ void TrajectoryCheck::findCollision(const Way& way, const JointTrajectory& traje
   for (std::size_t i = 0; i < trajectory.points.size(); ++i) {
     const double to_s = trajectory.points[i].time_s;
     if (const auto found = way_.firstContact(way, from_s, to_s, i == 0)) {
-      const std::string& link = robot_->model().linkOf(found->contact.shape);
+      const std::string& link = robot_->model->linkOf(found->contact.shape);
       answer.index = i;
       answer.time_s = from_s + found->time_s;
       answer.contact = found->contact;
@@ -89,7 +85,8 @@ void TrajectoryCheck::findOcclusion(const Way& way, const JointTrajectory& traje
   for (std::size_t k = 1; k <= poses; ++k) {
     const std::size_t i = k * points / poses - 1;  // the last one is among them
     const double time_s = trajectory.points[i].time_s;
-    pose_.findOcclusion(way.map, postureAt(way, time_s), findings_);
+    place(way, time_s);
+    pose_.findOcclusion(way.map, findings_);
     const std::string hidden = pose_.mostHiddenLink(findings_);
     if (hidden.empty()) continue;
     answer.index = i;

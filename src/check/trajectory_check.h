@@ -1,8 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
-#include <string>
 #include <vector>
 
 #include "check/pose_check.h"
@@ -35,13 +33,12 @@ class TrajectoryCheck {
                                        const std::vector<Pose>& T_fixed_roots);
 
  private:
-  [[nodiscard]] const Posture& postureAt(const Way& way, double time_s);
+  void place(const Way& way, double time_s);
   void findCollision(const Way& way, const JointTrajectory& trajectory, TrajectoryAnswer& answer);
   void findOcclusion(const Way& way, const JointTrajectory& trajectory, TrajectoryAnswer& answer);
 
   std::shared_ptr<const CheckedRobot> robot_;
   Config config_;
-  Kinematics kinematics_;
   PoseCheck pose_;
   WayCheck way_;
   double clearance_radius_m_;

@@ -17,17 +17,17 @@ constexpr double kTouching = 1e-6;  // [m] that count as nothing
 
 WayCheck::WayCheck(std::shared_ptr<const CheckedRobot> robot, double step_m, double margin_max_m)
     : robot_(std::move(robot)),
-      body_(robot_->collisionBody()),
+      body_(robot_->collision_body),
       grown_(body_),
       margin_max_m_(margin_max_m),
       speeds_mps_(body_.shapes.size(), 0.0),
       skipped_(body_.shapes.size(), false),
-      kinematics_(robot_->sharedModel()),
-      bound_(robot_->model(), body_.shapes, body_.radii(margin_max_m)),
+      kinematics_(robot_->model),
+      bound_(*robot_->model, body_.shapes, body_.radii(margin_max_m)),
       reach_max_m_(0.5 * step_m),
       near_(kDepthMax + 1),
       known_(body_.shapes.size()) {
-  const std::size_t variables = robot_->model().variables().size();
+  const std::size_t variables = robot_->model->variables().size();
   for (auto& shapes : near_) shapes.reserve(body_.shapes.size());
   for (Known& known : known_) known.travel.resize(variables);
   for (auto* values : {&positions_, &travel_, &travel_from_, &travel_to_, &reach_, &since_known_}) {
@@ -82,8 +82,8 @@ double WayCheck::knownClearance(std::uint32_t shape) {
 
 std::optional<Contact> WayCheck::touching(const Way& way, std::uint32_t shape) {
   if (knownClearance(shape) > 0.0) return std::nullopt;
-  const auto cuboid = robot_->collision().first(way.map, grown_.body.shapes[shape],
-                                                grown_.body.poses[shape], shape);
+  const auto cuboid =
+      robot_->collision.first(way.map, grown_.body.shapes[shape], grown_.body.poses[shape], shape);
   if (!cuboid) return std::nullopt;
   return Contact{shape, *cuboid};
 }
@@ -96,7 +96,7 @@ bool WayCheck::comesNear(const Way& way, std::uint32_t shape, double metres) {
     const UprightBox box = way.map.box(way.map.cuboids[*known.nearest]);
     if (overlaps(expanded(solid, {1.0, metres}), pose, box)) return true;
   }
-  const auto found = robot_->collision().nearest(way.map, solid, pose, metres + kTouching);
+  const auto found = robot_->collision.nearest(way.map, solid, pose, metres + kTouching);
   known.clearance_m = found ? found->distance_m : metres + kTouching;
   known.travel = travel_;
   if (found) known.nearest = found->cuboid;
@@ -132,9 +132,9 @@ std::optional<WayCheck::Found> WayCheck::search(const Way& way, double from_s, d
     if (knownClearance(shape) > moved || !comesNear(way, shape, moved)) continue;
     const bool is_jump = depth == kDepthMax && moved > reach_max_m_;
     std::optional<std::uint32_t> swept_cuboid;
-    if (robot_->collision().exemptsAny() || is_jump) {
+    if (robot_->collision.exemptsAny() || is_jump) {
       const Shape swept = expanded(grown_.body.shapes[shape], {1.0, moved});
-      swept_cuboid = robot_->collision().first(way.map, swept, grown_.body.poses[shape], shape);
+      swept_cuboid = robot_->collision.first(way.map, swept, grown_.body.poses[shape], shape);
       if (!swept_cuboid) continue;
     }
     shapes[near++] = shape;

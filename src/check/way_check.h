@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "check/checked_robot.h"
+#include "check/pose_check.h"
 #include "robot/joint_path.h"
 #include "robot/motion_bound.h"
 

@@ -352,13 +352,13 @@ void toMarkers(const BodySample& sample, const std::string& frame,
 
 void toImage(const ZBuffer& picture, sensor_msgs::Image& image) {
   image.encoding = sensor_msgs::image_encodings::RGB8;
-  image.width = static_cast<std::uint32_t>(picture.columns());
-  image.height = static_cast<std::uint32_t>(picture.rows());
+  image.width = static_cast<std::uint32_t>(picture.grid().columns());
+  image.height = static_cast<std::uint32_t>(picture.grid().rows());
   image.step = 3 * image.width;
   image.data.assign(static_cast<std::size_t>(image.step) * image.height, 0);
   std::uint8_t* out = image.data.data();
-  for (int row = picture.rows() - 1; row >= 0; --row) {
-    for (int column = picture.columns() - 1; column >= 0; --column, out += 3) {
+  for (int row = picture.grid().rows() - 1; row >= 0; --row) {
+    for (int column = picture.grid().columns() - 1; column >= 0; --column, out += 3) {
       const ZBuffer::Pixel& pixel = picture.pixel(row, column);
       if (std::isinf(pixel.depth)) continue;
       const auto grey =

@@ -45,11 +45,11 @@ class PoseCheckClearanceTest : public ::testing::Test {
   /// Of both links; leastClearance() has to say the same.
   void look(double slide, double glide, double radius_m = kRadius) {
     PoseCheck check(test::checked(model_, use_, collision_), kPeriods);
-    result_ = check.findClearances(map_, test::postureOf(model_, at(slide, glide)), radius_m);
+    check.place(at(slide, glide), kAtOrigin);
+    result_ = check.findClearances(map_, radius_m);
     double least = kInfinity;
     for (const LinkClearance& entry : result_) least = std::min(least, entry.distance_m);
-    EXPECT_EQ(check.leastClearance(map_, test::postureOf(model_, at(slide, glide)), radius_m),
-              least);
+    EXPECT_EQ(check.leastClearance(map_, radius_m), least);
   }
   [[nodiscard]] const LinkClearance& of(const std::string& link) const {
     for (const LinkClearance& entry : result_) {
@@ -130,11 +130,14 @@ TEST_F(PoseCheckClearanceTest, EveryLinkHasItsOwn) {
 TEST_F(PoseCheckClearanceTest, NothingIsLeftOfTheCallBefore) {
   addWall(0.8, 0.0);
   PoseCheck check(test::checked(model_, use_, collision_), kPeriods);
-  result_ = check.findClearances(map_, test::postureOf(model_, at(0.7, 9.0)), kRadius);
+  check.place(at(0.7, 9.0), kAtOrigin);
+  result_ = check.findClearances(map_, kRadius);
   EXPECT_NEAR(of("hand").distance_m, 0.05, kRounding);
-  result_ = check.findClearances(map_, test::postureOf(model_, at(0.6, 9.0)), kRadius);
+  check.place(at(0.6, 9.0), kAtOrigin);
+  result_ = check.findClearances(map_, kRadius);
   EXPECT_NEAR(of("hand").distance_m, 0.15, kRounding);
-  result_ = check.findClearances(map_, test::postureOf(model_, at(0.1, 9.0)), kRadius);
+  check.place(at(0.1, 9.0), kAtOrigin);
+  result_ = check.findClearances(map_, kRadius);
   EXPECT_EQ(of("hand").distance_m, kInfinity);
 }
 
@@ -153,7 +156,8 @@ TEST_F(PoseCheckClearanceTest, OfALinkOfTwoPrimitivesTheNearerCounts) {
   addBlock(map_, {Vector3(0.66, -0.02, 0.4), Vector3(0.7, 0.02, 0.6)});
   addBlock(map_, {Vector3(0.12, -0.02, 0.4), Vector3(0.16, 0.02, 0.6)});
   PoseCheck check(test::checked(model_, use_, collision_), kPeriods);
-  const auto& found = check.findClearances(map_, test::postureOf(model_, {}), kRadius);
+  check.place({}, kAtOrigin);
+  const auto& found = check.findClearances(map_, kRadius);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_NEAR(found[0].distance_m, 0.09, kRounding);
   EXPECT_LT(map_.box(map_.cuboids[found[0].cuboid]).max().x(), 0.2) << "that of the first";
@@ -175,10 +179,8 @@ TEST_F(PoseCheckClearanceTest, ACuboidWithoutSupportIsPassedOver) {
 TEST_F(PoseCheckClearanceTest, TheRootsPoseMovesTheWholeRobot) {
   addWall(0.8, 0.0);
   PoseCheck check(test::checked(model_, use_, collision_), kPeriods);
-  EXPECT_NEAR(
-      check.leastClearance(
-          map_, test::postureOf(model_, at(0.4, 0.0), {test::placedAt(0.3, 0.0, 0.0)}), kRadius),
-      0.05, kRounding);
+  check.place(at(0.4, 0.0), {test::placedAt(0.3, 0.0, 0.0)});
+  EXPECT_NEAR(check.leastClearance(map_, kRadius), 0.05, kRounding);
 }
 
 TEST_F(PoseCheckClearanceTest, WrongLinksAndValuesAreRefused) {
@@ -222,7 +224,6 @@ void expectWhatBruteForceFinds(const std::shared_ptr<const RobotModel>& model,
                                const Grid::Config& grid, double share, unsigned seed, int scenes) {
   constexpr double kExact = 2e-6;  // what distance() promises, twice
   Random random(seed);
-  Kinematics kinematics(model);
   std::size_t touching = 0, near = 0, far = 0;
   for (int scene = 0; scene < scenes; ++scene) {
     const CuboidMap map = test::randomMap(random, grid, share);
@@ -236,11 +237,11 @@ void expectWhatBruteForceFinds(const std::shared_ptr<const RobotModel>& model,
     collision.support_points = random.integer(1, 4);
     const double radius_m = random.chance(0.2) ? 0.02 : random.uniform(0.02, 0.4);
     PoseCheck check(test::checked(model, LinkUse({1.0, 0.04}), collision), kPeriods);
-    kinematics.update(positions, root);
+    const Posture& posture = check.place(positions, root);
     const std::vector<Nearest> expected =
-        nearestOfAll(*model, kinematics.shapePoses(), map, collision.support_points, radius_m);
+        nearestOfAll(*model, posture.T_fixed_shapes, map, collision.support_points, radius_m);
     double least = kInfinity;
-    for (const LinkClearance& entry : check.findClearances(map, kinematics.posture(), radius_m)) {
+    for (const LinkClearance& entry : check.findClearances(map, radius_m)) {
       const Nearest& nearest = expected[entry.link];
       least = std::min(least, entry.distance_m);
       if (std::abs(nearest.distance_m - radius_m) < kExact) continue;
@@ -254,13 +255,13 @@ void expectWhatBruteForceFinds(const std::shared_ptr<const RobotModel>& model,
       double to_named = kInfinity;
       for (std::size_t i = 0; i < model->shapes().size(); ++i) {
         if (model->shapes()[i].link != entry.link) continue;
-        to_named = std::min(to_named, distance(model->shapes()[i].shape, kinematics.shapePoses()[i],
+        to_named = std::min(to_named, distance(model->shapes()[i].shape, posture.T_fixed_shapes[i],
                                                map.box(map.cuboids[entry.cuboid])));
       }
       EXPECT_NEAR(to_named, entry.distance_m, kExact) << "that is how far its cuboid is";
       ++(nearest.distance_m == 0.0 ? touching : near);
     }
-    const double told = check.leastClearance(map, kinematics.posture(), radius_m);
+    const double told = check.leastClearance(map, radius_m);
     if (std::isinf(least)) {
       EXPECT_EQ(told, least) << scene;
     } else {

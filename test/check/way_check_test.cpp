@@ -189,18 +189,18 @@ TEST_F(WayCheckTest, WhatLiesInARegionThatALinkMayTouchIsNoContactOfThatLink) {
   const JointPath path = way({{0.0, 0.0, 0.0}, {1.0, 0.9, 0.0}});
   ExemptRegions regions(2);
   const auto index =
-      static_cast<std::size_t>(model_->linkOf(robot_->collisionBody().shapes[0]) == "hand" ? 0 : 1);
+      static_cast<std::size_t>(model_->linkOf(robot_->collision_body.shapes[0]) == "hand" ? 0 : 1);
   regions[index] = {wallRegion(0.21)};
-  robot_->exempt(regions);
+  robot_->collision.exempt(regions);
   EXPECT_FALSE(first(path));
   regions[index] = {wallRegion(0.1)};
-  robot_->exempt(regions);
+  robot_->collision.exempt(regions);
   EXPECT_TRUE(first(path)) << "part of the wall is outside, and the ball is as wide as it";
   regions[index] = {};
   regions[1 - index] = {wallRegion(0.21)};
-  robot_->exempt(regions);
+  robot_->collision.exempt(regions);
   EXPECT_TRUE(first(path)) << "it is the other link that may touch it";
-  robot_->exempt({});
+  robot_->collision.exempt({});
   EXPECT_TRUE(first(path));
 }
 
@@ -317,7 +317,8 @@ class ThinWallTest : public test::CheckerFixture {
   [[nodiscard]] PoseFindings pose(double slide) const {
     PoseCheck check(test::checked(model_, config_.pose), 1.5);
     PoseFindings findings;
-    check.check(wall_, test::postureOf(model_, {slide}), findings);
+    check.place({slide}, kAtOrigin);
+    check.check(wall_, findings);
     return findings;
   }
 

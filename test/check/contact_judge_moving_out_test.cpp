@@ -1,7 +1,6 @@
-#include "check/moving_out.h"
-
 #include <gtest/gtest.h>
 
+#include "check/contact_judge.h"
 #include "simulation/robot/dual_arm.h"
 #include "support/checked_robot.h"
 #include "support/checker_fixture.h"
@@ -49,11 +48,11 @@ class MovingOutTest : public ::testing::Test {
       way.add(time_s, at(places[i].slide, places[i].glide));
     }
     const auto robot = test::checked(model_, config_);
-    robot->exempt(exempt_);
+    robot->collision.exempt(exempt_);
     PoseFindings findings;
-    PoseCheck(robot, 1.5)
-        .check(map_, test::postureOf(model_, at(places.front().slide, places.front().glide)),
-               findings);
+    PoseCheck pose(robot, 1.5);
+    pose.place(at(places.front().slide, places.front().glide), kAtOrigin);
+    pose.check(map_, findings);
     contacts_ = findings.contacts.size();
     MovingOut moving_out(robot);
     return moving_out.opens({map_, way, kAtOrigin}, findings.contacts, until_s, must_open);
@@ -199,7 +198,8 @@ TEST_F(MovingOutTest, AJumpIsNoWayOut) {
   way.add(0.5, at(0.60, 0.0));
   PoseCheck pose(test::checked(model_, config_), 1.5);
   PoseFindings findings;
-  pose.check(map_, test::postureOf(model_, at(0.75, 0.0)), findings);
+  pose.place(at(0.75, 0.0), kAtOrigin);
+  pose.check(map_, findings);
   EXPECT_FALSE(MovingOut(test::checked(model_, config_))
                    .opens({map_, way, kAtOrigin}, findings.contacts, 0.5, true));
 }
@@ -266,7 +266,8 @@ TEST_F(MovingOutTest, ACapsuleIsJudgedByItsAxis) {
     way.add(0.5, {to});
     PoseCheck pose(test::checked(model, config_), 1.5);
     PoseFindings findings;
-    pose.check(map_, test::postureOf(model, {0.0}), findings);
+    pose.place({0.0}, kAtOrigin);
+    pose.check(map_, findings);
     EXPECT_TRUE(findings.collision);
     MovingOut moving_out(test::checked(model, config_));
     return moving_out.opens({map_, way, kAtOrigin}, findings.contacts, 0.5, false);
