@@ -84,12 +84,10 @@ void CheckInputs::setRootPose(std::size_t root, Time stamp, const Pose& T_fixed_
 }
 
 void CheckInputs::addScanReport(Time now, const ScanReport& report) {
-  if (report.outcome == ScanReport::Outcome::kWaiting) {
-    report_arrival_ = now;
-    return;
-  }
-  dropped_ = report.dropped;
-  if (report.outcome == ScanReport::Outcome::kAssembled) assembled_ = now;
+  using Outcome = ScanReport::Outcome;
+  if (report.outcome == Outcome::kWaiting) report_arrival_ = now;
+  if (report.outcome == Outcome::kAssembled) assembled_ = now;
+  if (report.outcome != Outcome::kWaiting) dropped_ = report.dropped;
 }
 
 void CheckInputs::setMap(Time now, std::shared_ptr<const CuboidMap> map) {
@@ -193,7 +191,7 @@ Cause CheckInputs::mapCause(Time now) {
     if (within(now, config_.map_age_max_s)) return {Reason::kInit, "waiting for the first scan"};
     return silenceCause(now);
   }
-  const Duration age = now - map_->stamp;
+  const Duration age = now - map_->stamp, age_max = fromSeconds(config_.map_age_max_s);
   if (-age > fromSeconds(config_.future_max_s)) {
     return {Reason::kFuture, ageText("the newest scan is stamped in the future, by", -age)};
   }
@@ -202,15 +200,13 @@ Cause CheckInputs::mapCause(Time now) {
   const bool waits = scansCome(now) && lacks_transforms &&
                      !(assembled_ && *assembled_ - map_arrival_ > silenceMax());
   if (now - map_arrival_ > silenceMax() && !waits) return silenceCause(now);
-  if (age > fromSeconds(config_.map_age_max_s)) {
+  if (age > age_max) {
     // Scans may wait for joint states as well.
     if (waits && jointsCause(now).reason == Reason::kClear) {
-      return {Reason::kNoTransform, ageText("scans wait for transforms; the newest in the map is "
-                                            "older than",
-                                            fromSeconds(config_.map_age_max_s))};
+      return {Reason::kNoTransform,
+              ageText("scans wait for transforms; the newest in the map is older than", age_max)};
     }
-    return {Reason::kMapLate, ageText("the newest scan in the map is older than",
-                                      fromSeconds(config_.map_age_max_s))};
+    return {Reason::kMapLate, ageText("the newest scan in the map is older than", age_max)};
   }
   if (map_->overflowed) return {Reason::kMapOverflow, "points were left out of the map"};
   if (map_->tilt_stopped) {

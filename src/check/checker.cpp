@@ -99,14 +99,9 @@ void Checker::Parts::startAnew() {
 }
 
 const Verdict& Checker::Parts::check(Time now) {
-  if (started && now < verdict.stamp) {
-    // A clock that is set back by a little goes on from where it was.
-    if (verdict.stamp - now > fromSeconds(config.inputs.future_max_s)) {
-      startAnew();
-    } else {
-      now = verdict.stamp;
-    }
-  }
+  if (started && verdict.stamp - now > fromSeconds(config.inputs.future_max_s)) startAnew();
+  // A clock that is set back by a little goes on from where it was.
+  if (started) now = std::max(now, verdict.stamp);
   started = true;
   if (exemptions.expire(now)) exempt();
   const JointSnapshot* joints = inputs.joints();

@@ -136,8 +136,6 @@ void GovernedSpeed::move(const Situation& situation) {
   const Time now = situation.now;
   const JointSnapshot& joints = situation.joints;
   const double seconds = last_ ? toSeconds(now - *last_) : 0.0;
-  const bool is_first = !last_;
-  last_ = now;
   double fastest = kAtRest;
   for (const Track& track : tracks_) fastest = std::max(fastest, track.commanded_mps);
   obeyed_.add(now, situation.applied_scale, situation.braking.deceleration_mps2 / fastest,
@@ -150,11 +148,12 @@ void GovernedSpeed::move(const Situation& situation) {
   for (Track& track : tracks_) {
     const Vector3 p_fixed = posture.T_fixed_shapes[track.shape] * track.p_shape;
     const Vector3 soon = kinematics_soon_.shapePoses()[track.shape] * track.p_shape;
-    if (!is_first) track.travelled_m += (p_fixed - track.p_fixed).norm();
+    if (last_) track.travelled_m += (p_fixed - track.p_fixed).norm();
     track.p_fixed = p_fixed;
     track.velocity = (soon - p_fixed) / kSoon;
     estimateCommand(track, seconds);
   }
+  last_ = now;
   for (Track& track : tracks_) notePlace(track, situation);
 }
 
