@@ -17,16 +17,19 @@ void checkTwoPoses(benchmark::State& state, bool occlusion, double shoulder) {
   const CuboidMap map = test::tableMap();
   CheckedRobot::Config config;
   config.check_occlusion = occlusion;
-  PoseCheck now(model, config);
-  PoseCheck ahead(model, config);
+  const auto robot = std::make_shared<const CheckedRobot>(model, config);
+  PoseCheck now(robot, 1.5);
+  PoseCheck ahead(robot, 1.5);
   const auto positions = test::armsAhead(*model, shoulder);
   const auto positions_ahead = test::armsAhead(*model, shoulder + 0.05);
   PoseFindings findings, findings_ahead;
   Latencies latencies;
   for (auto _ : state) {
     latencies.time([&] {
-      now.check(map, positions, {Pose::Identity()}, findings);
-      ahead.check(map, positions_ahead, {Pose::Identity()}, findings_ahead);
+      now.place(positions, {Pose::Identity()});
+      now.check(map, findings);
+      ahead.place(positions_ahead, {Pose::Identity()});
+      ahead.check(map, findings_ahead);
     });
   }
   latencies.report(state);

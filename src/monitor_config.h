@@ -105,8 +105,4 @@ ParameterTable::Names load(const YAML::Node& node, const std::string& owner, Con
 /// @throws ConfigError, also for a key that nothing reads.
 [[nodiscard]] MonitorConfig readMonitorConfig(const std::string& path);
 
-/// What stands in config/default.yaml and in docs/parameters.md.
-[[nodiscard]] std::string defaultYaml();
-[[nodiscard]] std::string parametersPage();
-
 }  // namespace tccm

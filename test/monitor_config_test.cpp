@@ -58,16 +58,6 @@ TEST(MonitorConfigTest, EveryShippedConfigurationLoads) {
   EXPECT_GE(files, 5U);
 }
 
-std::string textOf(const std::string& path) {
-  std::ifstream file(kSource + path);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
-TEST(MonitorConfigTest, TheDefaultFileAndThePageOfParametersAreWhatTheTablesSay) {
-  EXPECT_EQ(textOf("/config/default.yaml"), defaultYaml()) << "run scripts/generate_parameters";
-  EXPECT_EQ(textOf("/docs/parameters.md"), parametersPage()) << "run scripts/generate_parameters";
-}
-
 TEST(MonitorConfigTest, TheDefaultFileHoldsTheDefaultsOfEveryParameter) {
   MonitorConfig file = readMonitorConfig(kSource + "/config/default.yaml"), none;
   std::map<std::string, std::string> read, expected;

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "tccm_monitor/config_error.h"
-
 namespace tccm {
 namespace {
 
@@ -32,6 +30,10 @@ Reason reasonOf(const std::string& dropped) {
   if (dropped == "future_stamp") return Reason::kFuture;
   if (dropped == "no_transform" || dropped == "transform_gap") return Reason::kNoTransform;
   return Reason::kNoMap;
+}
+
+void append(const Cause& cause, std::vector<Cause>& causes) {
+  if (cause.reason != Reason::kClear) causes.push_back(cause);
 }
 
 }  // namespace
@@ -82,12 +84,10 @@ void CheckInputs::setRootPose(std::size_t root, Time stamp, const Pose& T_fixed_
 }
 
 void CheckInputs::addScanReport(Time now, const ScanReport& report) {
-  if (report.outcome == ScanReport::Outcome::kWaiting) {
-    report_arrival_ = now;
-    return;
-  }
-  dropped_ = report.dropped;
-  if (report.outcome == ScanReport::Outcome::kAssembled) assembled_ = now;
+  using Outcome = ScanReport::Outcome;
+  if (report.outcome == Outcome::kWaiting) report_arrival_ = now;
+  if (report.outcome == Outcome::kAssembled) assembled_ = now;
+  if (report.outcome != Outcome::kWaiting) dropped_ = report.dropped;
 }
 
 void CheckInputs::setMap(Time now, std::shared_ptr<const CuboidMap> map) {
@@ -116,15 +116,11 @@ void CheckInputs::reset() {
 }
 
 bool CheckInputs::rootsKnown() const {
-  return std::all_of(roots_.begin(), roots_.end(), [](const auto& root) { return bool(root); });
+  return std::find(roots_.begin(), roots_.end(), std::nullopt) == roots_.end();
 }
 
 bool CheckInputs::within(Time now, double seconds) const {
   return now - *started_ <= fromSeconds(seconds);
-}
-
-Cause CheckInputs::clockCause() const {
-  return clock_stalls_ ? Cause(Reason::kNoClock, "simulated time stands still") : Cause();
 }
 
 Cause CheckInputs::jointsCause(Time now) {
@@ -190,12 +186,12 @@ Cause CheckInputs::silenceCause(Time now) const {
   return {Reason::kNoMap, ageText("scans come, but none was mapped for", silence)};
 }
 
-Cause CheckInputs::mapCause(Time now, bool joints_known) const {
+Cause CheckInputs::mapCause(Time now) {
   if (!map_) {
     if (within(now, config_.map_age_max_s)) return {Reason::kInit, "waiting for the first scan"};
     return silenceCause(now);
   }
-  const Duration age = now - map_->stamp;
+  const Duration age = now - map_->stamp, age_max = fromSeconds(config_.map_age_max_s);
   if (-age > fromSeconds(config_.future_max_s)) {
     return {Reason::kFuture, ageText("the newest scan is stamped in the future, by", -age)};
   }
@@ -204,14 +200,13 @@ Cause CheckInputs::mapCause(Time now, bool joints_known) const {
   const bool waits = scansCome(now) && lacks_transforms &&
                      !(assembled_ && *assembled_ - map_arrival_ > silenceMax());
   if (now - map_arrival_ > silenceMax() && !waits) return silenceCause(now);
-  if (age > fromSeconds(config_.map_age_max_s)) {
-    if (waits && joints_known) {  // scans may wait for joint states as well
-      return {Reason::kNoTransform, ageText("scans wait for transforms; the newest in the map is "
-                                            "older than",
-                                            fromSeconds(config_.map_age_max_s))};
+  if (age > age_max) {
+    // Scans may wait for joint states as well.
+    if (waits && jointsCause(now).reason == Reason::kClear) {
+      return {Reason::kNoTransform,
+              ageText("scans wait for transforms; the newest in the map is older than", age_max)};
     }
-    return {Reason::kMapLate, ageText("the newest scan in the map is older than",
-                                      fromSeconds(config_.map_age_max_s))};
+    return {Reason::kMapLate, ageText("the newest scan in the map is older than", age_max)};
   }
   if (map_->overflowed) return {Reason::kMapOverflow, "points were left out of the map"};
   if (map_->tilt_stopped) {
@@ -221,36 +216,31 @@ Cause CheckInputs::mapCause(Time now, bool joints_known) const {
   return {};
 }
 
-void CheckInputs::appendCauses(Time now, std::vector<Cause>& causes) {
+void CheckInputs::appendRobotCauses(Time now, std::vector<Cause>& causes) {
   if (!started_) started_ = now;
-  const auto add = [&causes](Cause cause) {
-    if (cause.reason != Reason::kClear) causes.push_back(std::move(cause));
-  };
-  add(clockCause());
-  const Cause joints = jointsCause(now);
-  const bool joints_known = joints.reason == Reason::kClear;
-  add(joints);
-  for (std::size_t root = 0; root < roots_.size(); ++root) add(rootCause(now, root));
-  add(mapCause(now, joints_known));
+  if (clock_stalls_) causes.emplace_back(Reason::kNoClock, "simulated time stands still");
+  append(jointsCause(now), causes);
+  for (std::size_t root = 0; root < roots_.size(); ++root) append(rootCause(now, root), causes);
+}
+
+void CheckInputs::appendCauses(Time now, std::vector<Cause>& causes) {
+  appendRobotCauses(now, causes);
+  append(mapCause(now), causes);
+  append(outside_, causes);
 }
 
 Cause CheckInputs::worst(Time now) {
   std::vector<Cause> causes;
   appendCauses(now, causes);
-  Cause worst;
-  for (Cause& cause : causes) {
-    if (cause.isWorseThan(worst)) worst = std::move(cause);
-  }
-  return worst;
+  const auto worst = std::max_element(
+      causes.begin(), causes.end(), [](const auto& a, const auto& b) { return b.isWorseThan(a); });
+  return worst == causes.end() ? Cause() : *worst;
 }
 
 bool CheckInputs::placesRobot(Time now) {
-  if (!started_) started_ = now;
-  if (clock_stalls_ || jointsCause(now).reason != Reason::kClear) return false;
-  for (std::size_t root = 0; root < roots_.size(); ++root) {
-    if (rootCause(now, root).reason != Reason::kClear) return false;
-  }
-  return true;
+  std::vector<Cause> causes;
+  appendRobotCauses(now, causes);
+  return causes.empty();
 }
 
 }  // namespace tccm

@@ -20,11 +20,11 @@ class CheckInputs {
     std::string fixed_frame = "?";  ///< for what is told to people
     JointStates::Config joints;
     double joint_timeout_s = 0.1;
-    double transform_timeout_s = 0.5;     ///< age of the root's pose
-    double scan_timeout_periods = 3.0;    ///< without a scan or a new map, in measured scan periods
-    double map_age_max_s = 0.5;           ///< from the newest scan's stamp to the check
-    double future_max_s = 0.1;            ///< a stamp may lead the check by this much
-    double transform_future_max_s = 0.5;  ///< the same of a transform; many publishers date ahead
+    double transform_timeout_s = 0.5;
+    double scan_timeout_periods = 3.0;
+    double map_age_max_s = 0.5;
+    double future_max_s = 0.1;
+    double transform_future_max_s = 0.5;
 
     void describe(ParameterTable& table);
   };
@@ -34,19 +34,19 @@ class CheckInputs {
   /// Other limits from now on; how joint states are gathered stays. @throws ConfigError
   void reconfigure(const Config& config);
 
-  /// A message that is stamped in the future is dropped.
-  /// @return what was taken of it.
+  // As Checker takes them.
+
   JointStates::Added addJoints(Time now, Time stamp, const std::vector<std::string>& names,
                                const std::vector<double>& positions,
                                const std::vector<double>& velocities);
-  /// One of the model's roots in the fixed frame. One that does not move (the same frame, or
-  /// static transforms alone) never grows old.
   void setRootPose(std::size_t root, Time stamp, const Pose& T_fixed_root, bool is_static);
-  /// What becomes of scans. Where nothing reports it, maps alone tell.
   void addScanReport(Time now, const ScanReport& report);
   void setMap(Time now, std::shared_ptr<const CuboidMap> map);
+  void setOutsideCause(const Cause& cause) { outside_ = cause; }
+
   /// Whether the clock that gives `now` stands still, as a player's or simulation's may.
   void setClockStalls(bool stalls) { clock_stalls_ = stalls; }
+  /// As at the start; what the caller says of itself and of the clock stays.
   void reset();
 
   /// Appends what is missing, late or unknown; nothing where all is there.
@@ -62,7 +62,6 @@ class CheckInputs {
   [[nodiscard]] const std::vector<Pose>& rootPoses() const { return T_fixed_roots_; }
   [[nodiscard]] bool rootsKnown() const;
   [[nodiscard]] const CuboidMap* map() const { return map_.get(); }
-  [[nodiscard]] std::optional<double> scanPeriod() const { return scan_period_s_; }
   /// Messages dropped because they were stamped in the future.
   [[nodiscard]] std::size_t futureJoints() const { return future_joints_; }
 
@@ -71,10 +70,11 @@ class CheckInputs {
     Time stamp;
     bool is_static;
   };
-  [[nodiscard]] Cause clockCause() const;
+  /// What of it keeps the robot from being placed.
+  void appendRobotCauses(Time now, std::vector<Cause>& causes);
   [[nodiscard]] Cause jointsCause(Time now);
   [[nodiscard]] Cause rootCause(Time now, std::size_t root) const;
-  [[nodiscard]] Cause mapCause(Time now, bool joints_known) const;
+  [[nodiscard]] Cause mapCause(Time now);
   /// No new map for too long: why.
   [[nodiscard]] Cause silenceCause(Time now) const;
   [[nodiscard]] bool within(Time now, double seconds) const;
@@ -97,6 +97,7 @@ class CheckInputs {
   std::optional<Time> future_joint_;  ///< when the last of them came
   Duration future_lead_{0};
   bool clock_stalls_ = false;
+  Cause outside_;
 };
 
 }  // namespace tccm

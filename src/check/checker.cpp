@@ -4,14 +4,12 @@
 
 #include "base/stopwatch.h"
 #include "check/checker_parts.h"
-#include "check/self_test.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
 
 void Checker::Config::describe(ParameterTable& table) {
   pose.describe(table);
-  occlusion.describe(table);
   way.describe(table);
   braking.describe(table);
   evidence.describe(table);
@@ -27,18 +25,12 @@ void Checker::Config::describe(ParameterTable& table) {
 
 Judges::Judges(const std::shared_ptr<const RobotModel>& model, const Checker::Config& config)
     : robot(std::make_shared<CheckedRobot>(model, config.pose)),
-      kinematics_here(model),
-      kinematics_ahead(model),
-      kinematics_asked(model),
-      ways(model->variables().size(), config.way.horizon_s),
       here(robot, config.evidence.slow_periods),
       ahead(here),
       asked(here),
       contacts(robot, config.way, config.braking),
-      occlusion(robot, config.occlusion, config.way.moving_out_scale),
       evidence(robot, config.evidence),
       governed_speed(model, config.governed_speed, evidence.shapes()),
-      clearance(robot, config.clearance_radius_m),
       trajectory(robot, config.trajectory, config.clearance_radius_m,
                  config.evidence.slow_periods) {
   const std::vector<std::string> missed = selfTest(*robot, asked);
@@ -52,7 +44,7 @@ Checker::Parts::Parts(std::shared_ptr<const RobotModel> model, const Config& new
     : config(validated(new_config)),
       bare_model(std::move(model)),
       inputs(bare_model, config.inputs),
-      commanded(*bare_model, config.trajectories),
+      commanded(bare_model, config.trajectories),
       exemptions(config.exemptions),
       permission(config.permission),
       judges(bare_model, config) {}
@@ -73,7 +65,8 @@ void Checker::Parts::renew(const Config& new_config, std::vector<AttachedObject>
 }
 
 void Checker::Parts::exempt() {
-  judges.robot->exempt(exemptions.regionsOf(model(), judges.robot->collisionBody().shapes));
+  judges.robot->collision.exempt(
+      exemptions.regionsOf(model(), judges.robot->collision_body.shapes));
 }
 
 std::vector<AttachedObject> Checker::Parts::attachedBut(const std::string& name) const {
@@ -106,14 +99,9 @@ void Checker::Parts::startAnew() {
 }
 
 const Verdict& Checker::Parts::check(Time now) {
-  if (started && now < verdict.stamp) {
-    // A clock that is set back by a little goes on from where it was.
-    if (verdict.stamp - now > fromSeconds(config.inputs.future_max_s)) {
-      startAnew();
-    } else {
-      now = verdict.stamp;
-    }
-  }
+  if (started && verdict.stamp - now > fromSeconds(config.inputs.future_max_s)) startAnew();
+  // A clock that is set back by a little goes on from where it was.
+  if (started) now = std::max(now, verdict.stamp);
   started = true;
   if (exemptions.expire(now)) exempt();
   const JointSnapshot* joints = inputs.joints();
@@ -125,7 +113,6 @@ const Verdict& Checker::Parts::check(Time now) {
   findings.touching = {};
   findings.window = map ? map->window : Duration::zero();
   inputs.appendCauses(now, findings.causes);
-  if (outside.reason != Reason::kClear) findings.causes.push_back(outside);
   verdict.known = findings.known = findings.causes.empty();
   if (const std::string defect = commanded.defect(); !defect.empty()) {
     findings.causes.push_back({Reason::kBadTrajectory, "a commanded trajectory: " + defect});
@@ -145,47 +132,37 @@ void Checker::Parts::judge(Time now, const JointSnapshot& joints) {
   const CuboidMap& map = *inputs.map();
   Stopwatch stopwatch;
   commanded.follow(now, joints.positions);
-  findWays(model(), joints, commanded, judges.ways);
-  verdict.follows_trajectory = judges.ways.follows_trajectory;
-  const Posture& here = judges.kinematics_here.update(joints.positions, inputs.rootPoses());
-  const Posture& ahead = judges.kinematics_ahead.update(judges.ways.end, inputs.rootPoses());
-  judges.here.findContacts(map, here, verdict.now);
-  judges.ahead.findContacts(map, ahead, verdict.ahead);
+  const Ways& ways = commanded.findWays(joints, config.way.horizon_s);
+  verdict.follows_trajectory = ways.follows_trajectory;
+  judges.here.place(joints.positions, inputs.rootPoses());
+  judges.ahead.place(ways.end, inputs.rootPoses());
+  judges.here.findContacts(map, verdict.now);
+  judges.ahead.findContacts(map, verdict.ahead);
   times.collision_us = stopwatch.lapMicroseconds();
-  judges.here.findOcclusion(map, here, verdict.now);
-  judges.ahead.findOcclusion(map, ahead, verdict.ahead);
+  judges.here.findOcclusion(map, verdict.now);
+  judges.ahead.findOcclusion(map, verdict.ahead);
   times.occlusion_us = stopwatch.lapMicroseconds();
 
-  const Situation situation{now,
-                            map,
-                            joints,
-                            here,
-                            judges.ways,
-                            commanded,
-                            judges.here,
-                            judges.ahead,
-                            verdict.now,
-                            verdict.ahead,
-                            config.braking,
-                            verdict.known,
-                            verdict.speed_scale};
-  judges.contacts.judge(situation, findings.causes);
+  const Situation situation{
+      now,         map,           joints,         commanded,     judges.here,        judges.ahead,
+      verdict.now, verdict.ahead, config.braking, verdict.known, verdict.speed_scale};
+  const ContactJudge::Findings& contacts = judges.contacts.judge(situation, findings.causes);
   times.way_us = stopwatch.lapMicroseconds();
-  judges.occlusion.judge(situation, findings.causes);
+  judgeOcclusion(situation, config.pose.occlusion, config.way.moving_out_scale, findings.causes);
   judges.evidence.judge(situation, findings.causes);
   times.evidence_us = stopwatch.lapMicroseconds();
   judges.governed_speed.judge(situation, findings.causes);
 
-  findings.touching = judges.contacts.touching();
-  verdict.collision = judges.contacts.collision();
-  verdict.first_contact = judges.contacts.firstContact();
-  verdict.way_poses = judges.contacts.poses();
+  findings.touching = contacts.touching;
+  verdict.collision = contacts.collision;
+  verdict.first_contact = contacts.first_contact;
+  verdict.way_poses = contacts.poses;
   verdict.occlusion = verdict.now.occlusion || verdict.ahead.occlusion;
   verdict.unseen_fraction = judges.evidence.findings().unseen_fraction;
   verdict.governed_scale = judges.governed_speed.limit().scale;
   if (config.clearance_radius_m <= 0.0) return;
   stopwatch.lapMicroseconds();
-  verdict.clearances = judges.clearance.find(map, here);
+  verdict.clearances = judges.here.findClearances(map, config.clearance_radius_m);
   times.clearance_us = stopwatch.lapMicroseconds();
 }
 
@@ -199,11 +176,6 @@ void Checker::Parts::decide(Time now) {
   verdict.latched = decision.latched;
   verdict.speed_scale = decision.speed_scale;
   verdict.stop = verdict.level >= Level::kStop;
-}
-
-Cause Checker::Parts::fault(Time now) {
-  return std::max(inputs.worst(now), outside,
-                  [](const Cause& a, const Cause& b) { return b.isWorseThan(a); });
 }
 
 Checker::Checker(std::shared_ptr<const RobotModel> model, const Config& config)
@@ -235,13 +207,12 @@ void Checker::setMap(Time now, std::shared_ptr<const CuboidMap> map) {
 std::string Checker::command(Time now, const JointTrajectory& trajectory) {
   CheckInputs& inputs = parts_->inputs;
   const JointSnapshot* joints = inputs.placesRobot(now) ? inputs.joints() : nullptr;
-  if (!joints) return parts_->commanded.command(now, trajectory, parts_->model(), {});
-  return parts_->commanded.command(now, trajectory, parts_->model(), joints->positions,
-                                   joints->velocities);
+  if (!joints) return parts_->commanded.command(now, trajectory, {});
+  return parts_->commanded.command(now, trajectory, joints->positions, joints->velocities);
 }
 
 void Checker::setLatency(double seconds) { parts_->config.braking.latency_s = seconds; }
-void Checker::setOutsideCause(const Cause& cause) { parts_->outside = cause; }
+void Checker::setOutsideCause(const Cause& cause) { parts_->inputs.setOutsideCause(cause); }
 
 void Checker::attach(const AttachedObject& object) {
   std::vector<AttachedObject> objects = parts_->attachedBut(object.name);
@@ -285,7 +256,7 @@ std::string Checker::reset() { return parts_->permission.reset(); }
 void Checker::startAnew() { parts_->startAnew(); }
 
 const std::shared_ptr<const RobotModel>& Checker::model() const {
-  return parts_->judges.robot->sharedModel();
+  return parts_->judges.robot->model;
 }
 
 std::vector<std::string> Checker::missingJoints() const {

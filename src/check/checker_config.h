@@ -1,13 +1,10 @@
 #pragma once
 
-#include "check/braking.h"
 #include "check/check_inputs.h"
-#include "check/checked_robot.h"
 #include "check/contact_judge.h"
 #include "check/evidence_check.h"
 #include "check/exemptions.h"
 #include "check/governed_speed.h"
-#include "check/occlusion_judge.h"
 #include "check/permission.h"
 #include "check/trajectory_check.h"
 #include "tccm_monitor/checker.h"
@@ -16,7 +13,6 @@ namespace tccm {
 
 struct Checker::Config {
   CheckedRobot::Config pose;
-  OcclusionJudge::Config occlusion;
   CheckInputs::Config inputs;
   Braking braking;
   ContactJudge::Config way;

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "check/checker_config.h"
-#include "check/clearance_check.h"
 
 namespace tccm {
 
@@ -13,14 +12,10 @@ namespace tccm {
 /// the judges that look at it.
 struct Judges {
   std::shared_ptr<CheckedRobot> robot;
-  Kinematics kinematics_here, kinematics_ahead, kinematics_asked;
-  Ways ways;
   PoseCheck here, ahead, asked;
   ContactJudge contacts;
-  OcclusionJudge occlusion;
   EvidenceCheck evidence;
   GovernedSpeed governed_speed;
-  ClearanceCheck clearance;
   TrajectoryCheck trajectory;
 
   /// @throws ConfigError, also where the self-test does not find a link.
@@ -43,9 +38,7 @@ struct Checker::Parts {
   void startAnew();
   /// Without what is attached to it, but `name`.
   [[nodiscard]] std::vector<AttachedObject> attachedBut(const std::string& name) const;
-  [[nodiscard]] const RobotModel& model() const { return judges.robot->model(); }
-  /// The worst of what is missing, late or wrong; CLEAR where nothing is.
-  [[nodiscard]] Cause fault(Time now);
+  [[nodiscard]] const RobotModel& model() const { return *judges.robot->model; }
 
   Config config;
   std::shared_ptr<const RobotModel> bare_model;  ///< with empty hands
@@ -56,7 +49,6 @@ struct Checker::Parts {
   Permission permission;
   Judges judges;
   Permission::Findings findings;  ///< of this check
-  Cause outside;
   bool started = false;
   Verdict verdict;
   CheckTimes times;

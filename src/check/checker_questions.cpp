@@ -41,7 +41,7 @@ std::optional<Pose> Checker::linkPose(Time now, const std::string& link) {
   CheckInputs& inputs = parts_->inputs;
   if (found == links.end() || !inputs.placesRobot(now)) return std::nullopt;
   const Posture& posture =
-      parts_->judges.kinematics_asked.update(inputs.joints()->positions, inputs.rootPoses());
+      parts_->judges.asked.place(inputs.joints()->positions, inputs.rootPoses());
   return posture.T_fixed_links[static_cast<std::size_t>(found - links.begin())];
 }
 
@@ -64,7 +64,7 @@ StateAnswer Checker::checkState(Time now, const std::vector<std::string>& names,
   if (names.empty() || names.size() != positions.size()) {
     return refuse("as many positions as joint names are needed, and one at least");
   }
-  answer.cause = parts_->fault(now);
+  answer.cause = parts_->inputs.worst(now);
   answer.cause.link.clear();
   if (answer.cause.reason != Reason::kClear) return answer;
   CheckInputs& inputs = parts_->inputs;
@@ -83,8 +83,8 @@ StateAnswer Checker::checkState(Time now, const std::vector<std::string>& names,
   }
   if (parts_->exemptions.expire(now)) parts_->exempt();
   Judges& judges = parts_->judges;
-  judges.asked.check(*inputs.map(), judges.kinematics_asked.update(asked, inputs.rootPoses()),
-                     answer.findings);
+  judges.asked.place(asked, inputs.rootPoses());
+  judges.asked.check(*inputs.map(), answer.findings);
   if (answer.findings.collision) {
     const std::uint32_t shape = answer.findings.contacts.front().shape;
     answer.cause = {Reason::kCollision, textOfContact(*model(), shape, " touches the map"),
@@ -98,7 +98,7 @@ StateAnswer Checker::checkState(Time now, const std::vector<std::string>& names,
 
 TrajectoryAnswer Checker::checkTrajectory(Time now, const JointTrajectory& trajectory) {
   TrajectoryAnswer answer;
-  answer.cause = parts_->fault(now);
+  answer.cause = parts_->inputs.worst(now);
   if (answer.cause.reason != Reason::kClear) return answer;
   if (parts_->exemptions.expire(now)) parts_->exempt();
   if (trajectory.points.size() > parts_->config.trajectories.points_max) {

@@ -15,17 +15,20 @@ namespace tccm {
 /// at all.
 using ExemptRegions = std::vector<std::vector<PlacedShape>>;
 
+struct NearestCuboid {
+  double distance_m;
+  std::uint32_t cuboid;  ///< index into the map's cuboids
+};
+
 /// Finds the cuboids that a robot's primitives touch (paper, section IV.A): the primitives'
 /// footprints name the cells, an exact test decides. Single false points are told from obstacles by
 /// support: returns of the window near a contact, in whichever scan.
 class CollisionCheck {
  public:
   struct Config {
-    /// A contact counts where this many returns lie in the 3 x 3 cells around it and within
-    /// support_height_m of its cuboid; 1 counts every contact.
     int support_points = 3;
     double support_height_m = 0.03;
-    int contacts_max = 256;  ///< no more than these are listed
+    int contacts_max = 256;
 
     void describe(ParameterTable& table);
   };
@@ -45,6 +48,11 @@ class CollisionCheck {
   [[nodiscard]] std::optional<std::uint32_t> first(const CuboidMap& map, const Shape& shape,
                                                    const Pose& T_fixed_shape,
                                                    std::uint32_t index) const;
+  /// The nearest cuboid that would count as a contact, regions apart, and is nearer than that; at
+  /// distance 0 the first that was found to touch.
+  [[nodiscard]] std::optional<NearestCuboid> nearest(const CuboidMap& map, const Shape& shape,
+                                                     const Pose& T_fixed_shape,
+                                                     double nearer_than_m) const;
   /// Whether enough returns lie near a cuboid for it to count.
   [[nodiscard]] bool hasSupport(const CuboidMap& map, const Cuboid& cuboid) const;
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tccm_monitor/config_error.h"
-
 namespace tccm {
 namespace {
 
@@ -15,8 +13,9 @@ constexpr double kSearchStep = 0.01;
 constexpr double kAsGood = 1e-3;  // [rad or m]
 constexpr double kBetter = 1e-6;
 constexpr double kRidge = 0.02;
-constexpr double kDone = 0.01;     // [rad or m] left to travel
-constexpr double kArrived = 0.05;  // [rad or m] from its end
+constexpr double kDone = 0.01;            // [rad or m] left to travel
+constexpr double kArrived = 0.05;         // [rad or m] from its end
+constexpr std::size_t kWayPoints = 4096;  // a way with more corners makes for allocation
 constexpr double kTurn = 2.0 * 3.14159265358979323846;
 
 /// Where a joint is after that time at its velocity.
@@ -29,67 +28,11 @@ double positionAfter(const JointVariable& variable, double position, double velo
   return ahead;
 }
 
-/// The instants at which joints come to their limits, and both ends.
-void appendTurningTimes(const RobotModel& model, const JointSnapshot& joints, double horizon_s,
-                        std::vector<double>& times_s) {
-  times_s.push_back(0.0);
-  times_s.push_back(horizon_s);
-  for (std::size_t v = 0; v < model.variables().size(); ++v) {
-    const JointVariable& variable = model.variables()[v];
-    const double velocity = joints.velocities[v];
-    const std::optional<double>& limit = velocity > 0.0 ? variable.upper : variable.lower;
-    if (!limit || velocity == 0.0) continue;
-    const double time_s = (*limit - joints.positions[v]) / velocity;
-    if (time_s > 0.0 && time_s < horizon_s) times_s.push_back(time_s);
-  }
-}
-
-void sortOut(std::vector<double>& times_s) {
-  std::sort(times_s.begin(), times_s.end());
-  times_s.erase(std::unique(times_s.begin(), times_s.end()), times_s.end());
-}
-
-void extrapolateTo(const RobotModel& model, const JointSnapshot& joints, double time_s,
-                   std::vector<double>& positions) {
-  positions.resize(joints.positions.size());
-  for (std::size_t v = 0; v < positions.size(); ++v) {
-    positions[v] =
-        positionAfter(model.variables()[v], joints.positions[v], joints.velocities[v], time_s);
-  }
-}
-
 bool shareAny(const std::vector<std::string>& a, const std::vector<std::string>& b) {
   return std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) != a.end();
 }
 
 }  // namespace
-
-void extrapolate(const RobotModel& model, const JointSnapshot& joints, double horizon_s,
-                 JointPath& path) {
-  thread_local std::vector<double> times_s, positions;
-  times_s.clear();
-  appendTurningTimes(model, joints, horizon_s, times_s);
-  sortOut(times_s);
-  path.clear();
-  for (const double time_s : times_s) {
-    extrapolateTo(model, joints, time_s, positions);
-    path.add(time_s, positions);
-  }
-}
-
-Ways::Ways(std::size_t variables, double until_s)
-    : horizon_s(until_s), measured(variables), commanded(variables), end(variables) {
-  measured.reserve(variables + 2);
-  commanded.reserve(CommandedTrajectories::kWayPoints);
-}
-
-void findWays(const RobotModel& model, const JointSnapshot& joints,
-              CommandedTrajectories& commanded, Ways& ways) {
-  extrapolate(model, joints, ways.horizon_s, ways.measured);
-  ways.follows_trajectory = commanded.active();
-  if (ways.follows_trajectory) commanded.makeWay(model, joints, ways.horizon_s, ways.commanded);
-  (ways.follows_trajectory ? ways.commanded : ways.measured).positionsAt(ways.horizon_s, ways.end);
-}
 
 void CommandedTrajectories::Config::describe(ParameterTable& table) {
   table.add("trajectory_deviation_max", &deviation_max, "rad, m", {1e-3, 10.0},
@@ -98,13 +41,19 @@ void CommandedTrajectories::Config::describe(ParameterTable& table) {
             "a longer one is not understood");
 }
 
-CommandedTrajectories::CommandedTrajectories(const RobotModel& model, const Config& config)
-    : config_(validated(config)) {
+CommandedTrajectories::CommandedTrajectories(std::shared_ptr<const RobotModel> model,
+                                             const Config& config)
+    : model_(std::move(model)),
+      config_(validated(config)),
+      ways_{
+          JointPath(model_->variables().size()), JointPath(model_->variables().size()), false, {}},
+      positions_(model_->variables().size()),
+      way_point_(model_->variables().size()) {
+  ways_.measured.reserve(model_->variables().size() + 2);
+  ways_.commanded.reserve(kWayPoints);
   times_s_.reserve(kWayPoints);
-  positions_.resize(model.variables().size());
-  way_point_.resize(model.variables().size());
-  for (std::size_t v = 0; v < model.variables().size(); ++v) {
-    turning_.push_back(model.turnsFreely(v));
+  for (std::size_t v = 0; v < model_->variables().size(); ++v) {
+    turning_.push_back(model_->turnsFreely(v));
   }
 }
 
@@ -123,24 +72,20 @@ void CommandedTrajectories::forget(const std::vector<std::string>& names) {
 }
 
 std::string CommandedTrajectories::command(Time now, const JointTrajectory& trajectory,
-                                           const RobotModel& model,
                                            const std::vector<double>& positions,
                                            const std::vector<double>& velocities) {
   forget(trajectory.names);
   if (trajectory.points.empty()) return {};
-  std::string defect;
-  if (trajectory.points.size() > config_.points_max) {
-    defect = "it has more than trajectory_points_max points";
-  } else {
-    defect = defectOf(trajectory, model);
-  }
+  std::string defect = trajectory.points.size() > config_.points_max
+                           ? "it has more than trajectory_points_max points"
+                           : defectOf(trajectory, *model_);
   if (defect.empty() && positions.empty()) {
     defect = "where the robot is when it starts is not known";
   }
   if (defect.empty()) {
-    Active active{trajectory.names, variablesOf(trajectory, model), JointPath(positions.size()),
+    Active active{trajectory.names, variablesOf(trajectory, *model_), JointPath(positions.size()),
                   0.0, now};
-    makePath(trajectory, model, positions, kSplineTolerance, active.path, velocities);
+    makePath(trajectory, *model_, positions, kSplineTolerance, active.path, velocities);
     if (deviation(active, 0.0, positions) <= config_.deviation_max) {
       active_.push_back(std::move(active));
       return {};
@@ -218,31 +163,60 @@ void CommandedTrajectories::findShift(Active& active, const std::vector<double>&
   }
 }
 
-void CommandedTrajectories::makeWay(const RobotModel& model, const JointSnapshot& joints,
-                                    double horizon_s, JointPath& path) {
+void CommandedTrajectories::makeWay(const JointSnapshot& joints, double horizon_s,
+                                    std::vector<Active>& followed, JointPath& path) {
   times_s_.clear();
-  appendTurningTimes(model, joints, horizon_s, times_s_);
-  for (const Active& active : active_) {
-    for (std::size_t i = 0; i < active.path.size(); ++i) {
-      const double time_s = active.path.time(i) - active.at_s;
-      if (time_s > 0.0 && time_s < horizon_s) times_s_.push_back(time_s);
-    }
+  const auto addTime = [&](double time_s) {
+    if (time_s > 0.0 && time_s < horizon_s) times_s_.push_back(time_s);
+  };
+  // The instants at which joints come to their limits, and those of the trajectories' points.
+  for (std::size_t v = 0; v < joints.positions.size(); ++v) {
+    const JointVariable& variable = model_->variables()[v];
+    const double velocity = joints.velocities[v];
+    const std::optional<double>& limit = velocity > 0.0 ? variable.upper : variable.lower;
+    if (limit && velocity != 0.0) addTime((*limit - joints.positions[v]) / velocity);
   }
-  sortOut(times_s_);
-  for (Active& active : active_) findShift(active, joints.positions);
+  for (Active& active : followed) {
+    for (std::size_t i = 0; i < active.path.size(); ++i) {
+      addTime(active.path.time(i) - active.at_s);
+    }
+    findShift(active, joints.positions);
+  }
+  if (horizon_s > 0.0) times_s_.push_back(horizon_s);
+  std::sort(times_s_.begin(), times_s_.end());
+  times_s_.erase(std::unique(times_s_.begin(), times_s_.end()), times_s_.end());
   path.clear();
   path.add(0.0, joints.positions);
   for (const double time_s : times_s_) {
-    if (time_s <= 0.0) continue;
-    extrapolateTo(model, joints, time_s, way_point_);
-    for (const Active& active : active_) {
+    for (std::size_t v = 0; v < way_point_.size(); ++v) {
+      way_point_[v] =
+          positionAfter(model_->variables()[v], joints.positions[v], joints.velocities[v], time_s);
+    }
+    for (const Active& active : followed) {
       active.path.positionsAt(active.at_s + time_s, positions_);
-      for (const std::size_t v : active.variables) {
-        way_point_[v] = positions_[v] + active.shift[v];
-      }
+      for (const std::size_t v : active.variables) way_point_[v] = positions_[v] + active.shift[v];
     }
     path.add(time_s, way_point_);
   }
+}
+
+void CommandedTrajectories::makeMeasuredWay(const JointSnapshot& joints, double horizon_s,
+                                            JointPath& path) {
+  std::vector<Active> none;
+  makeWay(joints, horizon_s, none, path);
+}
+
+void CommandedTrajectories::makeWay(const JointSnapshot& joints, double horizon_s,
+                                    JointPath& path) {
+  makeWay(joints, horizon_s, active_, path);
+}
+
+const Ways& CommandedTrajectories::findWays(const JointSnapshot& joints, double horizon_s) {
+  makeMeasuredWay(joints, horizon_s, ways_.measured);
+  ways_.follows_trajectory = active();
+  if (ways_.follows_trajectory) makeWay(joints, horizon_s, ways_.commanded);
+  (ways_.follows_trajectory ? ways_.commanded : ways_.measured).positionsAt(horizon_s, ways_.end);
+  return ways_;
 }
 
 }  // namespace tccm

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -13,24 +14,28 @@
 
 namespace tccm {
 
+/// Where the robot goes until the horizon.
+struct Ways {
+  JointPath measured;   ///< where its velocities lead
+  JointPath commanded;  ///< where it was told to go; only where it follows a trajectory
+  bool follows_trajectory;
+  std::vector<double> end;  ///< where it is at the horizon: as commanded, where it is that
+};
+
 /// What the arms' controllers were told to do, and how far they have come. Where a robot is on its
 /// trajectory is told from its joints, not from the clock: a controller may go slower than it was
 /// told, or wait.
 class CommandedTrajectories {
  public:
-  /// A way with more corners than this makes for allocation.
-  static constexpr std::size_t kWayPoints = 4096;
-
   struct Config {
-    /// A robot that is further from its trajectory follows another one [rad or m].
-    double deviation_max = 0.3;
+    double deviation_max = 0.3;  ///< [rad or m]
     std::size_t points_max = 10000;
 
     void describe(ParameterTable& table);
   };
 
   /// @throws ConfigError
-  CommandedTrajectories(const RobotModel& model, const Config& config);
+  CommandedTrajectories(std::shared_ptr<const RobotModel> model, const Config& config);
 
   /// Takes the place of those that move one of the same joints. One without points cancels: those
   /// that move one of its joints, or all where it names none.
@@ -38,7 +43,7 @@ class CommandedTrajectories {
   /// cancellation is understood. @param velocities as makePath() takes them.
   /// @return what is wrong with it, in one line. What its joints do is not known then, until the
   /// next one for any of them.
-  std::string command(Time now, const JointTrajectory& trajectory, const RobotModel& model,
+  std::string command(Time now, const JointTrajectory& trajectory,
                       const std::vector<double>& positions,
                       const std::vector<double>& velocities = {});
   void clear();
@@ -53,11 +58,16 @@ class CommandedTrajectories {
     return defects_.empty() ? std::string() : defects_.front().text;
   }
 
-  /// The way from where the robot is on: along the trajectories, and for joints that none of them
-  /// moves at their velocities, no further than their limits.
+  /// The way that measured velocities lead, each joint no further than its limits. A joint measured
+  /// beyond its limit stays where it is.
   /// @param path is cleared before; from 0 s to horizon_s.
-  void makeWay(const RobotModel& model, const JointSnapshot& joints, double horizon_s,
-               JointPath& path);
+  void makeMeasuredWay(const JointSnapshot& joints, double horizon_s, JointPath& path);
+  /// The same for joints that no trajectory moves, the others along their trajectories.
+  void makeWay(const JointSnapshot& joints, double horizon_s, JointPath& path);
+  /// @pre it has followed the robot.
+  const Ways& findWays(const JointSnapshot& joints, double horizon_s);
+  /// What the last findWays() found.
+  [[nodiscard]] const Ways& ways() const { return ways_; }
 
  private:
   struct Active {
@@ -80,35 +90,18 @@ class CommandedTrajectories {
   [[nodiscard]] bool moveOn(Active& active, Time now, const std::vector<double>& positions);
   [[nodiscard]] bool isDone(const Active& active);
   void findShift(Active& active, const std::vector<double>& positions);
+  void makeWay(const JointSnapshot& joints, double horizon_s, std::vector<Active>& followed,
+               JointPath& path);
 
+  std::shared_ptr<const RobotModel> model_;
   Config config_;
   std::vector<Active> active_;
   std::vector<Defect> defects_;
+  Ways ways_;
   std::vector<bool> turning_;      ///< by variable
   std::vector<double> times_s_;    ///< reused
   std::vector<double> positions_;  ///< reused
   std::vector<double> way_point_;  ///< reused
 };
-
-/// Where the robot goes until the horizon.
-struct Ways {
-  Ways(std::size_t variables, double until_s);
-
-  double horizon_s;
-  JointPath measured;   ///< where its velocities lead
-  JointPath commanded;  ///< where it was told to go; only where it follows a trajectory
-  bool follows_trajectory = false;
-  std::vector<double> end;  ///< where it is at the horizon: as commanded, where it is that
-};
-
-/// @param commanded has followed the robot.
-void findWays(const RobotModel& model, const JointSnapshot& joints,
-              CommandedTrajectories& commanded, Ways& ways);
-
-/// The way that measured velocities lead, each joint no further than its limits. A joint measured
-/// beyond its limit stays where it is.
-/// @param path is cleared before; from 0 s to horizon_s.
-void extrapolate(const RobotModel& model, const JointSnapshot& joints, double horizon_s,
-                 JointPath& path);
 
 }  // namespace tccm

@@ -2,14 +2,123 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <limits>
+
+#include "geometry/distance.h"
 
 namespace tccm {
 namespace {
 
 constexpr double kEscape_s = 10.0;  // a way out may be as slow as this
 constexpr double kEscape_m = 0.05;  // that a primitive moves at most on the way looked at
+constexpr double kStep = 0.01;      // [m] between two poses
+constexpr std::size_t kPosesMax = 256;
+constexpr double kJump = 1e-6;    // [s]; a motion that is as short cannot be followed
+constexpr double kNoise = 0.002;  // [m] by which a distance may shrink without closing
+constexpr double kOpens = 0.003;  // [m] by which it has to grow over the way
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
+
+MovingOut::MovingOut(std::shared_ptr<const CheckedRobot> robot)
+    : robot_(std::move(robot)),
+      body_(robot_->collision_body),
+      kinematics_(robot_->model),
+      bound_(*robot_->model, body_.shapes, body_.radii(0.0)),
+      contacts_max_(static_cast<std::size_t>(robot_->config.collision.contacts_max)) {
+  for (const std::size_t shape : body_.shapes) {
+    cores_.push_back(core(robot_->model->shapes()[shape].shape));
+  }
+  pairs_.reserve(contacts_max_);
+  least_m_.resize(body_.shapes.size());
+}
+
+void MovingOut::place(const Way& way, double time_s) {
+  way.path.positionsAt(time_s, positions_);
+  body_.place(kinematics_.update(positions_, way.T_fixed_roots));
+}
+
+double MovingOut::coreDistance(const CuboidMap& map, std::size_t shape,
+                               std::uint32_t cuboid) const {
+  return distance(cores_[shape], body_.body.poses[shape], map.box(map.cuboids[cuboid]));
+}
+
+bool MovingOut::closesAny(const CuboidMap& map) {
+  for (Pair& pair : pairs_) {
+    const double metres = coreDistance(map, pair.shape, pair.cuboid);
+    if (metres == 0.0 || metres < pair.last_m - kNoise) return true;
+    pair.last_m = std::max(pair.last_m, metres);
+  }
+  // Cuboids that came into reach since: not nearer than what touched before.
+  robot_->collision.find(map, body_.body, contacts_);
+  if (contacts_.size() >= contacts_max_) return true;  // not all of them are known
+  return std::any_of(contacts_.begin(), contacts_.end(), [&](const Contact& contact) {
+    const double least = least_m_[contact.shape];
+    if (least == kInfinity) return true;
+    // The padding may reach it, the primitive itself may not.
+    const UprightBox box = map.box(map.cuboids[contact.cuboid]);
+    const bool is_new = std::none_of(pairs_.begin(), pairs_.end(), [&](const Pair& pair) {
+      return pair.shape == contact.shape && pair.cuboid == contact.cuboid;
+    });
+    const Shape& bare = robot_->model->shapes()[body_.shapes[contact.shape]].shape;
+    if (is_new && distance(bare, body_.body.poses[contact.shape], box) == 0.0) return true;
+    return coreDistance(map, contact.shape, contact.cuboid) < least - kNoise;
+  });
+}
+
+double MovingOut::furthest(const JointPath& way, double from_s, double to_s) {
+  way.travelUntil(from_s, travel_from_);
+  way.travelUntil(to_s, travel_);
+  for (std::size_t v = 0; v < travel_.size(); ++v) travel_[v] -= travel_from_[v];
+  double metres = 0.0;
+  for (std::size_t i = 0; i < body_.shapes.size(); ++i) {
+    metres = std::max(metres, bound_.displacement(i, travel_));
+  }
+  return metres;
+}
+
+double MovingOut::timeOf(const JointPath& way, double metres) {
+  if (furthest(way, way.begin(), way.end()) <= metres) return way.end();
+  double before = way.begin(), after = way.end();
+  for (int i = 0; i < 20; ++i) {
+    const double middle = 0.5 * (before + after);
+    (furthest(way, way.begin(), middle) <= metres ? before : after) = middle;
+  }
+  return after;
+}
+
+bool MovingOut::closesBetween(const Way& way, double from_s, double to_s) {
+  if (furthest(way.path, from_s, to_s) > kStep) {
+    if (to_s - from_s < kJump) return true;
+    const double middle_s = 0.5 * (from_s + to_s);
+    return closesBetween(way, from_s, middle_s) || closesBetween(way, middle_s, to_s);
+  }
+  if (++poses_ > kPosesMax) return true;  // too fast to be looked at
+  place(way, to_s);
+  return closesAny(way.map);
+}
+
+bool MovingOut::opens(const Way& way, const std::vector<Contact>& contacts, double until_s,
+                      bool must_open) {
+  if (contacts.size() >= contacts_max_) return false;  // not all of them are known
+  place(way, way.path.begin());
+  pairs_.clear();
+  std::fill(least_m_.begin(), least_m_.end(), kInfinity);
+  for (const Contact& contact : contacts) {
+    const auto used = std::find(body_.shapes.begin(), body_.shapes.end(), contact.shape);
+    const auto shape = static_cast<std::size_t>(used - body_.shapes.begin());
+    const double metres = coreDistance(way.map, shape, contact.cuboid);
+    if (metres == 0.0) return false;
+    pairs_.push_back({shape, contact.cuboid, metres, metres});
+    least_m_[shape] = std::min(least_m_[shape], metres);
+  }
+  poses_ = 0;
+  if (closesBetween(way, way.path.begin(), until_s)) return false;
+  // Of each shape what was nearest has to recede; the rest must only not come nearer.
+  return !must_open || std::all_of(pairs_.begin(), pairs_.end(), [this](const Pair& pair) {
+    return pair.first_m > least_m_[pair.shape] || pair.last_m >= pair.first_m + kOpens;
+  });
+}
 
 void Braking::describe(ParameterTable& table) {
   table.add("reaction_time_s", &reaction_time_s, "s", {0.0, 2.0},
@@ -53,43 +162,43 @@ ContactJudge::ContactJudge(const std::shared_ptr<const CheckedRobot>& robot, con
       config_(validated(config)),
       way_(robot, config.step_m, braking.margin_max_m),
       moving_out_(robot),
-      escape_(robot->model().variables().size()) {}
+      escape_(robot->model->variables().size()) {}
 
-void ContactJudge::judge(const Situation& situation, Causes& causes) {
-  const double joints_age_s = toSeconds(situation.now - situation.joints.oldest);
-  delay_s_ = situation.braking.delay(joints_age_s);
+const ContactJudge::Findings& ContactJudge::judge(const Situation& situation, Causes& causes) {
+  delay_s_ = situation.braking.delay(toSeconds(situation.now - situation.joints.oldest));
   const auto ahead = firstAhead(situation);
-  first_contact_ = ahead;
-  touching_ = {};
+  Cause coming = ahead ? causeOf(*ahead, situation.braking) : Cause();
+  findings_.first_contact = ahead;
+  findings_.touching = {};
   if (situation.here.collision) {
     // Where not all is known no way out is known either.
-    const bool is_blocked = !situation.known || (ahead && stops(*ahead, situation.braking));
-    judgePresent(situation, is_blocked, causes);
+    judgePresent(situation, !situation.known || coming.level == Level::kStop, causes);
   }
-  collision_ = situation.here.collision || (ahead && !ahead->by_margin);
-  if (ahead) judgeAhead(*ahead, situation, causes);
+  findings_.collision = situation.here.collision || (ahead && !ahead->by_margin);
+  if (ahead) causes.push_back(std::move(coming));
+  return findings_;
 }
 
-std::optional<WayContact> ContactJudge::along(const Situation& situation, const JointPath& way) {
-  const double end_s = config_.horizon_s;
-  const std::vector<Pose>& T_fixed_roots = situation.posture.T_fixed_roots;
-  way_.setMargins(way, 0.0, end_s, T_fixed_roots, delay_s_);
-  auto grown = way_.firstContact(situation.map, way, 0.0, end_s, T_fixed_roots);
-  poses_ += way_.poses();
+std::optional<WayContact> ContactJudge::along(const Way& way) {
+  way_.setMargins(way, 0.0, config_.horizon_s, delay_s_);
+  auto grown = way_.firstContact(way, 0.0, config_.horizon_s);
+  findings_.poses += way_.poses();
   if (!grown) return std::nullopt;
   way_.clearMargins();
-  const auto found = way_.firstContact(situation.map, way, 0.0, end_s, T_fixed_roots);
-  poses_ += way_.poses();
+  const auto found = way_.firstContact(way, 0.0, config_.horizon_s);
+  findings_.poses += way_.poses();
   grown->by_margin = true;
   return found ? found : grown;
 }
 
 std::optional<WayContact> ContactJudge::firstAhead(const Situation& situation) {
+  const std::vector<Pose>& T_fixed_roots = situation.check_here.posture().T_fixed_roots;
   way_.skip(situation.here.contacts);
-  poses_ = 0;
-  const auto measured = along(situation, situation.ways.measured);
-  if (!situation.ways.follows_trajectory) return measured;
-  const auto commanded = along(situation, situation.ways.commanded);
+  findings_.poses = 0;
+  const auto measured = along({situation.map, situation.commanded.ways().measured, T_fixed_roots});
+  if (!situation.commanded.ways().follows_trajectory) return measured;
+  const auto commanded =
+      along({situation.map, situation.commanded.ways().commanded, T_fixed_roots});
   if (!measured || !commanded) return measured ? measured : commanded;
   if (measured->by_margin != commanded->by_margin) {
     return measured->by_margin ? commanded : measured;
@@ -99,62 +208,53 @@ std::optional<WayContact> ContactJudge::firstAhead(const Situation& situation) {
 
 void ContactJudge::judgePresent(const Situation& situation, bool is_blocked, Causes& causes) {
   const Contact& contact = situation.here.contacts.front();
-  const RobotModel& model = robot_->model();
+  const RobotModel& model = *robot_->model;
   const std::string& link = model.linkOf(contact.shape);
-  first_contact_ = WayContact{contact};
-  touching_ = {Reason::kCollision, textOfContact(model, contact.shape, " touches the map"), link};
+  findings_.first_contact = WayContact{contact};
+  findings_.touching = {Reason::kCollision, textOfContact(model, contact.shape, " touches the map"),
+                        link};
   if (!is_blocked && movesOut(situation)) {
     causes.push_back(Cause::slowing(Reason::kMovingOut, config_.moving_out_scale,
                                     textOfContact(model, contact.shape, " moves out of contact"),
                                     link));
   } else {
-    causes.push_back(touching_);
+    causes.push_back(findings_.touching);
   }
 }
 
-void ContactJudge::judgeAhead(const WayContact& ahead, const Situation& situation, Causes& causes) {
-  const RobotModel& model = robot_->model();
+Cause ContactJudge::causeOf(const WayContact& ahead, const Braking& braking) const {
+  const RobotModel& model = *robot_->model;
   const std::string& link = model.linkOf(ahead.contact.shape);
   const std::string what = textOfContact(
       model, ahead.contact.shape,
       ahead.by_margin ? " comes too near to the map for its speed" : " touches the map ahead");
   char text[200];
   std::snprintf(text, sizeof text, "%.150s in %.0f ms", what.c_str(), 1e3 * ahead.time_s);
-  if (stops(ahead, situation.braking)) {
-    causes.push_back(Cause::stopping(Reason::kCollisionAhead, text, link));
-  } else {
-    causes.push_back(
-        Cause::slowing(Reason::kCollisionAhead, scaleFor(ahead, situation.braking), text, link));
+  // A contact that comes sooner cannot be waited for.
+  const double halt_s =
+      config_.stop_time_s + delay_s_ + 0.5 * ahead.link_speed_mps / braking.deceleration_mps2;
+  if (!ahead.by_margin && ahead.time_s <= halt_s) {
+    return Cause::stopping(Reason::kCollisionAhead, text, link);
   }
+  const double span_s = config_.horizon_s - halt_s;
+  const double share = span_s > 0.0 ? (ahead.time_s - halt_s) / span_s : 0.0;
+  return Cause::slowing(Reason::kCollisionAhead, std::clamp(share, config_.slow_scale_min, 1.0),
+                        text, link);
 }
 
 bool ContactJudge::movesOut(const Situation& situation) {
-  const bool follows = situation.ways.follows_trajectory;
+  const bool follows = situation.commanded.ways().follows_trajectory;
+  const Way way{situation.map, escape_, situation.check_here.posture().T_fixed_roots};
   const auto opens = [&](bool must_open) {
-    const double until_s = moving_out_.timeOf(escape_, kEscape_m);
-    return moving_out_.opens(situation.map, situation.here.contacts, escape_, until_s,
-                             situation.posture.T_fixed_roots, must_open);
+    return moving_out_.opens(way, situation.here.contacts, moving_out_.timeOf(escape_, kEscape_m),
+                             must_open);
   };
-  extrapolate(robot_->model(), situation.joints, follows ? config_.horizon_s : kEscape_s, escape_);
+  situation.commanded.makeMeasuredWay(situation.joints, follows ? config_.horizon_s : kEscape_s,
+                                      escape_);
   if (!opens(!follows)) return false;
   if (!follows) return true;
-  situation.commanded.makeWay(robot_->model(), situation.joints, kEscape_s, escape_);
+  situation.commanded.makeWay(situation.joints, kEscape_s, escape_);
   return opens(true);
-}
-
-double ContactJudge::haltTime(const WayContact& contact, const Braking& braking) const {
-  return config_.stop_time_s + delay_s_ + 0.5 * contact.link_speed_mps / braking.deceleration_mps2;
-}
-
-bool ContactJudge::stops(const WayContact& contact, const Braking& braking) const {
-  return !contact.by_margin && contact.time_s <= haltTime(contact, braking);
-}
-
-double ContactJudge::scaleFor(const WayContact& contact, const Braking& braking) const {
-  const double halt_s = haltTime(contact, braking);
-  const double span = config_.horizon_s - halt_s;
-  const double share = span > 0.0 ? (contact.time_s - halt_s) / span : 0.0;
-  return std::clamp(share, config_.slow_scale_min, 1.0);
 }
 
 }  // namespace tccm

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-
-#include "tccm_monitor/config_error.h"
+#include <functional>
 
 namespace tccm {
 namespace {
@@ -22,22 +21,14 @@ const std::array<Vector3, 9> kPlaces = {
     Vector3(0.5, -0.5, 0.7),  Vector3(0.5, -0.5, -0.7), Vector3(-0.5, 0.5, 0.7),
     Vector3(-0.5, 0.5, -0.7), Vector3(-0.5, -0.5, 0.7), Vector3(-0.5, -0.5, -0.7)};
 
-struct HalfExtents {
-  Vector3 operator()(const Box& box) const { return box.half_extents; }
-  Vector3 operator()(const Cylinder& c) const { return {c.radius, c.radius, c.half_length}; }
-  Vector3 operator()(const Capsule& c) const {
-    return {c.radius, c.radius, c.half_length + c.radius};
-  }
-  Vector3 operator()(const Sphere& s) const { return Vector3::Constant(s.radius); }
-};
-
 double share(double part, double whole) { return whole > 0.0 ? part / whole : 0.0; }
 
+/// The link of which a value is largest; nothing where there is none.
 template <typename Value>
-const LinkEvidence* most(const std::vector<LinkEvidence>& links, Value&& value) {
-  const auto found =
-      std::max_element(links.begin(), links.end(),
-                       [&](const auto& a, const auto& b) { return value(a) < value(b); });
+const LinkEvidence* most(const std::vector<LinkEvidence>& links, Value value) {
+  const auto found = std::max_element(
+      links.begin(), links.end(),
+      [&](const auto& a, const auto& b) { return std::invoke(value, a) < std::invoke(value, b); });
   return found == links.end() ? nullptr : &*found;
 }
 
@@ -63,42 +54,23 @@ void EvidenceCheck::Config::describe(ParameterTable& table) {
   table.add("unseen_stops", &unseen_stops, "true: too much that is unseen stops the robot");
 }
 
-const LinkEvidence* EvidenceCheck::Findings::mostUnseen() const {
-  return most(links, [](const LinkEvidence& l) { return l.unseen_fraction * l.new_volume_m3; });
-}
-
-const LinkEvidence* EvidenceCheck::Findings::mostLost() const {
-  return most(links, [](const LinkEvidence& l) { return l.lost_fraction; });
-}
-
-const LinkEvidence* EvidenceCheck::Findings::mostOld() const {
-  return most(links, [](const LinkEvidence& l) { return l.old_fraction; });
-}
-
 EvidenceCheck::EvidenceCheck(std::shared_ptr<const CheckedRobot> robot, const Config& config)
     : robot_(std::move(robot)), config_(validated(config)) {
-  const RobotModel& model = robot_->model();
-  const std::vector<std::size_t>& body_shapes = robot_->collisionBody().shapes;
-  LinkUse watched = robot_->config().occlusion_use;
+  const RobotModel& model = *robot_->model;
+  const UsedBody& body = robot_->collision_body;
+  LinkUse watched = robot_->config.occlusion_use;
   if (!config.links.empty()) watched.links = config.links;
   const std::vector<std::size_t> seen_shapes = model.shapesFor(watched, kEvidenceKeys).shapes;
   std::vector<LinkEvidence>& links = findings_.links;
-  for (std::size_t i = 0; i < body_shapes.size(); ++i) {
-    const std::size_t link = model.shapes()[body_shapes[i]].link;
+  for (std::size_t i = 0; i < body.shapes.size(); ++i) {
+    const std::uint32_t link = body.links[i];
     const bool is_seen = std::any_of(seen_shapes.begin(), seen_shapes.end(),
                                      [&](std::size_t s) { return model.shapes()[s].link == link; });
-    const auto found = std::find_if(links.begin(), links.end(),
-                                    [link](const LinkEvidence& l) { return l.link == link; });
-    const auto slot = static_cast<std::size_t>(found - links.begin());
-    slot_of_shape_.push_back(is_seen ? slot : kPassedOver);
+    slot_of_shape_.push_back(is_seen ? entryOf(link, links) : kPassedOver);
     if (!is_seen) continue;
-    shapes_.push_back(body_shapes[i]);
-    if (slot == links.size()) {
-      links.emplace_back();
-      links.back().link = link;
-      end_shape_of_slot_.push_back(i);
-    }
-    end_shape_of_slot_[slot] = i;
+    shapes_.push_back(body.shapes[i]);
+    end_shape_of_slot_.resize(links.size());
+    end_shape_of_slot_[slot_of_shape_.back()] = i;
   }
   tallies_.resize(links.size());
   unseen_.reserve(kUnseenShown);
@@ -108,10 +80,12 @@ void EvidenceCheck::judge(const Situation& situation, Causes& causes) {
   find(situation.map, situation.now, situation.check_here.collisionBody().body,
        situation.check_ahead.collisionBody().body);
   const auto nameOf = [this](const LinkEvidence* link) {
-    return robot_->model().links()[link->link];
+    return robot_->model->links()[link->link];
   };
   if (findings_.unseen_fraction > config_.unseen_fraction_max) {
-    const std::string link = nameOf(findings_.mostUnseen());
+    const std::string link = nameOf(most(findings_.links, [](const LinkEvidence& evidence) {
+      return evidence.unseen_fraction * evidence.new_volume_m3;
+    }));
     char text[200];
     std::snprintf(text, sizeof text, "%.0f %% of the way ahead is unseen, most of %.100s's",
                   100.0 * findings_.unseen_fraction, link.c_str());
@@ -119,8 +93,8 @@ void EvidenceCheck::judge(const Situation& situation, Causes& causes) {
                          ? Cause::stopping(Reason::kUnseenAhead, text, link)
                          : Cause::slowing(Reason::kUnseenAhead, config_.slow_scale, text, link));
   }
-  const LinkEvidence* lost = findings_.mostLost();
-  const LinkEvidence* old = findings_.mostOld();
+  const LinkEvidence* lost = most(findings_.links, &LinkEvidence::lost_fraction);
+  const LinkEvidence* old = most(findings_.links, &LinkEvidence::old_fraction);
   if (lost && lost->lost_fraction > config_.old_fraction_max) {
     causes.push_back({Reason::kEvidenceOld,
                       "the sensor looks no more where " + nameOf(lost) + " is", nameOf(lost)});
@@ -156,7 +130,7 @@ void EvidenceCheck::lookAlong(const Question& question, const Body& now_body, st
   const Shape& shape = now_body.shapes[i];
   const Pose& T_fixed_now = now_body.poses[i];
   Tally& tally = tallies_[slot_of_shape_[i]];
-  const Vector3 half = std::visit(HalfExtents(), shape);
+  const Vector3 half = bounds(shape, Pose::Identity()).max();
   const double volume_each = volume(shape) / (2.0 * kPlaces.size());
   lookAt(question, T_fixed_now.translation(), 0.0, tally);
   for (const Vector3& place : kPlaces) {

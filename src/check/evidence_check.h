@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,21 +29,15 @@ struct LinkEvidence {
 class EvidenceCheck {
  public:
   struct Config {
-    /// Whose way should have been seen; empty: those that are watched for occlusion.
     std::vector<std::string> links;
     double margin_m = 0.05;
-    /// Not looked at for so many tilt periods, a place's evidence is old; and too old.
     double slow_periods = 1.5;
     double stop_periods = 2.5;
-    /// Of a link's way, in directions where the sensor looked before: where more is old the robot
-    /// slows down, where more is too old it stops.
     double old_fraction_max = 0.3;
-    /// Of all that the links go through until the horizon: where more is unseen the robot slows
-    /// down.
     double unseen_fraction_max = 0.2;
-    double unseen_volume_min_m3 = 2e-4;  ///< less is too little to judge by
+    double unseen_volume_min_m3 = 2e-4;
     double slow_scale = 0.3;
-    bool unseen_stops = false;  ///< true: the robot stops where too much is unseen
+    bool unseen_stops = false;
 
     void describe(ParameterTable& table);
   };
@@ -52,9 +45,6 @@ class EvidenceCheck {
   struct Findings {
     std::vector<LinkEvidence> links;  ///< in the order of the links' first shapes
     double unseen_fraction = 0.0;     ///< of all that the links go through; 0 where that is little
-    [[nodiscard]] const LinkEvidence* mostUnseen() const;
-    [[nodiscard]] const LinkEvidence* mostLost() const;
-    [[nodiscard]] const LinkEvidence* mostOld() const;
   };
 
   /// @throws ConfigError, also where a pattern matches no link.

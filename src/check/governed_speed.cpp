@@ -1,10 +1,9 @@
 #include "check/governed_speed.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
-#include "tccm_monitor/config_error.h"
+#include "geometry/distance.h"
 
 namespace tccm {
 namespace {
@@ -21,25 +20,19 @@ constexpr double kSameWay = 0.8;           // of a point's speed, by another tow
 constexpr double kNearer = 0.01;           // [m] by which another part is first at a place
 constexpr std::size_t kPlacesMax = 128;    // of one point
 
-/// Points to watch, on the primitive's axis, and its radius there.
-struct PointsOf {
-  std::vector<Vector3> points;
-  double radius = 0.0;
-  explicit PointsOf(const Shape& shape) { std::visit(*this, shape); }
-  void operator()(const Sphere& s) { add({0.0}, s.radius); }
-  void operator()(const Capsule& c) { add({-c.half_length, c.half_length}, c.radius); }
-  void operator()(const Cylinder& c) { add({-c.half_length, c.half_length}, c.radius); }
-  void operator()(const Box& box) {
-    points = {Vector3::Zero()};
-    radius = box.half_extents.norm();
-  }
-  void add(const std::vector<double>& heights, double r) {
-    for (const double z : heights) points.emplace_back(0.0, 0.0, z);
-    radius = r;
-  }
-};
-
 }  // namespace
+
+void ObeyedScale::add(Time now, double scale, double braking, Duration lag) {
+  const double braked = last_ ? most_ - braking * toSeconds(now - *last_) : 1.0;
+  if (!last_ || now - begun_ > lag) {
+    before_ = present_;
+    present_ = {scale, scale};
+    begun_ = now;
+  }
+  last_ = now;
+  present_ = {std::min(present_.least, scale), std::max(present_.most, scale)};
+  most_ = std::max({before_.most, present_.most, braked});
+}
 
 void GovernedSpeed::Config::describe(ParameterTable& table) {
   table.add("appear_distance_m", &appear_distance_m, "m", {0.0, 2.0},
@@ -63,12 +56,21 @@ GovernedSpeed::GovernedSpeed(std::shared_ptr<const RobotModel> model, const Conf
   for (const std::size_t shape : shapes) addTracks(shape);
 }
 
+/// At the ends of a primitive's axis, or in its middle.
 void GovernedSpeed::addTracks(std::size_t shape) {
-  const PointsOf points(model_->shapes()[shape].shape);
-  for (const Vector3& p_shape : points.points) {
-    tracks_.push_back({shape, p_shape, points.radius});
+  const auto add = [&](double height, double radius_m) {
+    tracks_.push_back({shape, {0.0, 0.0, height}, radius_m});
     tracks_.back().commanded_mps = config_.speed_max_mps;
     tracks_.back().places.reserve(kPlacesMax);
+  };
+  const Shape& solid = model_->shapes()[shape].shape;
+  const Shape axis = core(solid);
+  if (const auto* line = std::get_if<Capsule>(&axis)) {
+    const double radius_m = bounds(solid, Pose::Identity()).max().x();
+    add(-line->half_length, radius_m);
+    add(line->half_length, radius_m);
+  } else {
+    add(0.0, boundingRadius(solid));
   }
 }
 
@@ -80,6 +82,8 @@ double GovernedSpeed::speedFor(double rest_m, double until_s, double deceleratio
 
 void GovernedSpeed::startAnew() {
   last_.reset();
+  obeyed_ = {};
+  delay_s_ = 0.0;
   serial_ = 0;
   for (Track& track : tracks_) {
     track.places.clear();
@@ -108,7 +112,16 @@ void GovernedSpeed::takeOver(const GovernedSpeed& before) {
 void GovernedSpeed::judge(const Situation& situation, Causes& causes) {
   limit_ = {};
   if (!active()) return;
-  find(situation);
+  const CuboidMap& map = situation.map;
+  if (map.serial != serial_) {
+    serial_ = map.serial;
+    delay_s_ = std::max(kDelayForgotten * delay_s_, toSeconds(situation.now - map.stamp));
+  }
+  move(situation);
+  for (Track& track : tracks_) {
+    forgetSeen(map, track);
+    limitBy(track, situation);
+  }
   if (limit_.scale >= 1.0) return;
   const std::string& link = model_->links()[limit_.link];
   char text[200];
@@ -121,27 +134,10 @@ void GovernedSpeed::judge(const Situation& situation, Causes& causes) {
   causes.push_back(Cause::slowing(Reason::kSpeedGoverned, limit_.scale, text, link));
 }
 
-void GovernedSpeed::find(const Situation& situation) {
-  noteDelay(situation.map, situation.now);
-  move(situation);
-  for (Track& track : tracks_) {
-    forgetSeen(situation.map, track);
-    limitBy(track, situation);
-  }
-}
-
-void GovernedSpeed::noteDelay(const CuboidMap& map, Time now) {
-  if (map.serial == serial_) return;
-  serial_ = map.serial;
-  delay_s_ = std::max(kDelayForgotten * delay_s_, toSeconds(now - map.stamp));
-}
-
 void GovernedSpeed::move(const Situation& situation) {
   const Time now = situation.now;
   const JointSnapshot& joints = situation.joints;
   const double seconds = last_ ? toSeconds(now - *last_) : 0.0;
-  const bool is_first = !last_;
-  last_ = now;
   double fastest = kAtRest;
   for (const Track& track : tracks_) fastest = std::max(fastest, track.commanded_mps);
   obeyed_.add(now, situation.applied_scale, situation.braking.deceleration_mps2 / fastest,
@@ -149,16 +145,17 @@ void GovernedSpeed::move(const Situation& situation) {
   for (std::size_t i = 0; i < positions_soon_.size(); ++i) {
     positions_soon_[i] = joints.positions[i] + kSoon * joints.velocities[i];
   }
-  const Posture& posture = situation.posture;
+  const Posture& posture = situation.check_here.posture();
   kinematics_soon_.update(positions_soon_, posture.T_fixed_roots);
   for (Track& track : tracks_) {
     const Vector3 p_fixed = posture.T_fixed_shapes[track.shape] * track.p_shape;
     const Vector3 soon = kinematics_soon_.shapePoses()[track.shape] * track.p_shape;
-    if (!is_first) track.travelled_m += (p_fixed - track.p_fixed).norm();
+    if (last_) track.travelled_m += (p_fixed - track.p_fixed).norm();
     track.p_fixed = p_fixed;
     track.velocity = (soon - p_fixed) / kSoon;
     estimateCommand(track, seconds);
   }
+  last_ = now;
   for (Track& track : tracks_) notePlace(track, situation);
 }
 
@@ -182,7 +179,7 @@ void GovernedSpeed::notePlace(Track& track, const Situation& situation) const {
   if (!is_due) return;
   const double ahead = track.radius_m + config_.appear_distance_m;
   const Vector3 p_fixed = track.p_fixed + ahead / speed * track.velocity;
-  if (isBehindAnother(track, p_fixed, situation.posture)) return;
+  if (isBehindAnother(track, p_fixed, situation.check_here.posture())) return;
   if (track.places.size() == kPlacesMax) track.places.erase(track.places.begin());
   track.places.push_back({p_fixed, track.travelled_m, situation.now});
 }

@@ -1,16 +1,38 @@
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <vector>
 
-#include "check/obeyed_scale.h"
 #include "check/situation.h"
 #include "config/parameter_table.h"
 
 namespace tccm {
+
+/// What scale of its commanded speed a robot moves at: it obeys a permission only after a while,
+/// and then brakes; so that there is a range. Allocates nothing.
+class ObeyedScale {
+ public:
+  /// @param scale of the permission as of now, 0..1. @param braking of the scale, when the robot
+  /// brakes [1/s]. @param lag after which the robot is seen to obey: the controller's and the joint
+  /// states' delay. @pre now does not go back.
+  void add(Time now, double scale, double braking, Duration lag);
+
+  [[nodiscard]] double least() const { return std::min(before_.least, present_.least); }
+  [[nodiscard]] double most() const { return most_; }
+
+ private:
+  /// Of permissions.
+  struct Range {
+    double least = 1.0, most = 1.0;
+  };
+  std::optional<Time> last_;
+  Time begun_;     ///< the present part, of at least one lag
+  Range present_;  ///< in it
+  Range before_;   ///< in the part before
+  double most_ = 1.0;
+};
 
 /// How fast the robot may go so that whatever appears a distance d ahead of a link, at any moment,
 /// is seen and braked for: the way from then to the verdict on the next look at the place, and the
@@ -24,10 +46,10 @@ namespace tccm {
 class GovernedSpeed {
  public:
   struct Config {
-    double appear_distance_m = 0.0;  ///< d; 0: the speed is not governed
-    double look_margin_m = 0.05;     ///< a look that ended this much before a place saw it
-    double speed_max_mps = 1.0;      ///< that a link is taken to be commanded, before it has moved
-    double place_step_m = 0.01;      ///< places are noted so far apart
+    double appear_distance_m = 0.0;  ///< d
+    double look_margin_m = 0.05;
+    double speed_max_mps = 1.0;
+    double place_step_m = 0.01;
 
     void describe(ParameterTable& table);
   };
@@ -37,8 +59,8 @@ class GovernedSpeed {
     double scale = 1.0;        ///< of the commanded speed
     std::size_t link = 0;      ///< that is limited most; meaningless where scale is 1
     double allowed_mps = 0.0;  ///< its speed then
-    std::optional<double>
-        next_look_s;  ///< until the place ahead of it is looked at; nothing: not due
+    /// Until the place ahead of it is looked at; nothing: no look is due.
+    std::optional<double> next_look_s;
   };
 
   /// @param shapes indices of the model's shapes whose points are watched. @throws ConfigError
@@ -77,7 +99,6 @@ class GovernedSpeed {
     std::vector<Place> places = {};
   };
   void addTracks(std::size_t shape);
-  void find(const Situation& situation);
   void move(const Situation& situation);
   void estimateCommand(Track& track, double seconds) const;
   void notePlace(Track& track, const Situation& situation) const;
@@ -86,7 +107,6 @@ class GovernedSpeed {
   [[nodiscard]] double marginAt(const LookImage& looks, const Vector3& p_fixed) const;
   void forgetSeen(const CuboidMap& map, Track& track) const;
   void limitBy(const Track& track, const Situation& situation);
-  void noteDelay(const CuboidMap& map, Time now);
 
   std::shared_ptr<const RobotModel> model_;
   Config config_;

@@ -1,10 +1,28 @@
 #include "check/occlusion_check.h"
 
-#include <algorithm>
-
-#include "tccm_monitor/config_error.h"
+#include "check/situation.h"
 
 namespace tccm {
+namespace {
+
+constexpr double kMoreVisible = 0.02;  // of a silhouette: the link comes out of its hiding place
+
+/// Whether what the robot does uncovers every link that is hidden now, and hides no other.
+bool comesOut(const Situation& situation) {
+  // The links are the same at both poses.
+  for (std::size_t i = 0; i < situation.here.links.size(); ++i) {
+    const LinkVisibility& now = situation.here.links[i];
+    const LinkVisibility& then = situation.ahead.links[i];
+    if (situation.check_here.isOccluded(now)) {
+      if (then.occluded_fraction > now.occluded_fraction - kMoreVisible) return false;
+    } else if (situation.check_here.isOccluded(then)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
 
 void OcclusionCheck::Config::describe(ParameterTable& table) {
   table.add("occlusion_resolution_rad", &resolution_rad, "rad", {0.002, 0.2},
@@ -15,40 +33,36 @@ void OcclusionCheck::Config::describe(ParameterTable& table) {
             "a link is occluded from this hidden share of its silhouette on", Tunable::kYes);
   table.add("occlusion_silhouette_min_pixels", &silhouette_min_pixels, "pixels", {0.0, 1000.0},
             "a smaller silhouette is not judged");
+  table.add("occlusion_stops", &stops, "a hidden link stops the robot; `false`: it slows it down",
+            Tunable::kYes);
+  table.add("occlusion_slow_scale", &slow_scale, "", {0.0, 1.0}, "to this speed scale");
 }
 
 OcclusionCheck::OcclusionCheck(const Config& config, std::vector<std::uint32_t> link_of_shape,
                                double old_periods)
     : config_(validated(config)), old_periods_(old_periods), buffer_(config.resolution_rad) {
-  for (const std::uint32_t link : link_of_shape) {
-    auto& links = result_.links;
-    const auto found = std::find_if(links.begin(), links.end(),
-                                    [link](const LinkVisibility& l) { return l.link == link; });
-    slot_of_shape_.push_back(static_cast<std::uint32_t>(found - links.begin()));
-    if (found == links.end()) {
-      links.emplace_back();
-      links.back().link = link;
-    }
-  }
+  for (const std::uint32_t link : link_of_shape) slot_of_shape_.push_back(entryOf(link, links_));
   order_.reserve(link_of_shape.size());
   sights_.reserve(buffer_.grid().pixels());
 }
 
-const OcclusionCheck::Result& OcclusionCheck::find(const CuboidMap& map, const Body& body) {
+void OcclusionCheck::find(const CuboidMap& map, const Body& body, PoseFindings& findings) {
   const Vector3& viewpoint = map.looks.empty() ? map.viewpoint : map.looks.viewpoint();
   buffer_.begin(viewpoint);
-  result_.cuboids.clear();
-  result_.cuboids.reserve(map.cuboids.capacity());
+  findings.occluding_cuboids.clear();
+  findings.occluding_cuboids.reserve(map.cuboids.capacity());
   drawFromNearToFar(viewpoint, body);
   askLooks(map);
   if (buffer_.canBeCovered()) {
     for (std::uint32_t k = 0; k < map.cuboids.size(); ++k) {
-      const auto silhouette = buffer_.silhouette(map, k);
-      if (silhouette && buffer_.cover(*silhouette, config_.margin_m)) result_.cuboids.push_back(k);
+      if (!buffer_.cover(map, map.cuboids[k], config_.margin_m)) continue;
+      findings.occluding_cuboids.push_back(k);
     }
   }
-  countPixels();
-  return result_;
+  findings.links = links_;
+  countPixels(findings.links);
+  findings.occlusion = std::any_of(findings.links.begin(), findings.links.end(),
+                                   [this](const LinkVisibility& link) { return isOccluded(link); });
 }
 
 /// As LookImage::at(), without its stamps.
@@ -70,7 +84,7 @@ void OcclusionCheck::askLooks(const CuboidMap& map) {
   const Duration old = fromSeconds(old_periods_ * toSeconds(map.look_period));
   const bool ages_matter = old > Duration::zero();  // else no period is known yet
   const LookImage::Ticks oldest = ages_matter ? looks.ticksAt(map.stamp - old) : 0;
-  const bool same_grid = looks.grid().rows() == buffer_.rows();
+  const bool same_grid = looks.grid().rows() == buffer_.grid().rows();
   sights_.clear();
   for (const std::uint32_t pixel : buffer_.drawn()) {
     const std::size_t look_pixel =
@@ -80,21 +94,19 @@ void OcclusionCheck::askLooks(const CuboidMap& map) {
   }
 }
 
-void OcclusionCheck::countPixels() {
-  for (LinkVisibility& link : result_.links) {
-    link.silhouette = link.occluded_fraction = link.unseen_fraction = 0.0;
-  }
+void OcclusionCheck::countPixels(std::vector<LinkVisibility>& links) const {
   for (std::size_t i = 0; i < sights_.size(); ++i) {
     const std::uint32_t pixel = buffer_.drawn()[i];
     const ZBuffer::Pixel& drawn = buffer_.pixelAt(pixel);
-    LinkVisibility& link = result_.links[slot_of_shape_[drawn.shape]];
-    const double weight = buffer_.weightAt(pixel);
+    LinkVisibility& link = links[slot_of_shape_[drawn.shape]];
+    // Solid angle of a pixel, relative to one at the horizon.
+    const double weight = buffer_.grid().cosine(buffer_.grid().rowOfPixel(pixel));
     link.silhouette += weight;
     if (sights_[i] == PixelSight::kVisible) continue;
     const bool is_occluded = sights_[i] == PixelSight::kOccluded || drawn.covered;
     (is_occluded ? link.occluded_fraction : link.unseen_fraction) += weight;
   }
-  for (LinkVisibility& link : result_.links) {
+  for (LinkVisibility& link : links) {
     if (link.silhouette > 0.0) {
       link.occluded_fraction /= link.silhouette;
       link.unseen_fraction /= link.silhouette;
@@ -118,11 +130,21 @@ bool OcclusionCheck::isOccluded(const LinkVisibility& link) const {
          link.occluded_fraction >= config_.hidden_fraction;
 }
 
-const LinkVisibility* OcclusionCheck::Result::worst() const {
-  const auto most = std::max_element(links.begin(), links.end(), [](const auto& a, const auto& b) {
-    return a.occluded_fraction < b.occluded_fraction;
-  });
-  return most == links.end() ? nullptr : &*most;
+void judgeOcclusion(const Situation& situation, const OcclusionCheck::Config& config,
+                    double moving_out_scale, std::vector<Cause>& causes) {
+  if (!situation.here.occlusion && !situation.ahead.occlusion) return;
+  const bool ahead = !situation.here.occlusion;
+  const std::string link =
+      situation.check_here.mostHiddenLink(ahead ? situation.ahead : situation.here);
+  if (!ahead && comesOut(situation)) {
+    causes.push_back(Cause::slowing(Reason::kMovingOut, moving_out_scale,
+                                    link + " comes out of where it is hidden", link));
+    return;
+  }
+  const Reason reason = ahead ? Reason::kOcclusionAhead : Reason::kOcclusion;
+  const std::string text = link + " is hidden from the sensor" + (ahead ? " ahead" : "");
+  causes.push_back(config.stops ? Cause::stopping(reason, text, link)
+                                : Cause::slowing(reason, config.slow_scale, text, link));
 }
 
 }  // namespace tccm

@@ -1,7 +1,7 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -13,6 +13,18 @@
 
 namespace tccm {
 
+struct Situation;
+
+/// The index of a link's entry, made where there is none yet.
+template <typename Entry>
+std::size_t entryOf(std::uint32_t link, std::vector<Entry>& entries) {
+  const auto found = std::find_if(entries.begin(), entries.end(),
+                                  [link](const Entry& entry) { return entry.link == link; });
+  const auto index = static_cast<std::size_t>(found - entries.begin());
+  if (found == entries.end()) entries.emplace_back().link = link;
+  return index;
+}
+
 /// Says which links are hidden from the sensor (paper, section IV.B): there the robot would move
 /// blindly. Three answers for each direction: the newest look in it tells whether the sensor saw as
 /// far as to the link, or something stood before; where the robot itself stood before, cuboids do,
@@ -21,20 +33,14 @@ namespace tccm {
 class OcclusionCheck {
  public:
   struct Config {
-    double resolution_rad = 0.035;  ///< edge of a pixel; finer than the scans are is of no use
-    double margin_m = 0.05;         ///< a cuboid hides only what lies behind it by more
-    /// A link is occluded where at least this share of its silhouette is.
+    double resolution_rad = 0.035;
+    double margin_m = 0.05;
     double hidden_fraction = 0.15;
-    /// Less than this many pixels of silhouette are too few to judge by.
     double silhouette_min_pixels = 2.0;
+    bool stops = true;
+    double slow_scale = 0.3;
 
     void describe(ParameterTable& table);
-  };
-
-  struct Result {
-    std::vector<LinkVisibility> links;   ///< in the order of the links handed over
-    std::vector<std::uint32_t> cuboids;  ///< those that a part of any link is hidden behind
-    [[nodiscard]] const LinkVisibility* worst() const;
   };
 
   /// @param link_of_shape for each of the body's shapes the link it belongs to.
@@ -43,8 +49,9 @@ class OcclusionCheck {
   OcclusionCheck(const Config& config, std::vector<std::uint32_t> link_of_shape,
                  double old_periods = 1.5);
 
-  /// The reference is valid until the next call.
-  const Result& find(const CuboidMap& map, const Body& body);
+  /// @param findings reused: the links, in the order of those handed over, the cuboids that a part
+  /// of any link is hidden behind, and whether a link is occluded.
+  void find(const CuboidMap& map, const Body& body, PoseFindings& findings);
 
   [[nodiscard]] bool isOccluded(const LinkVisibility& link) const;
   /// The picture of the last find().
@@ -54,18 +61,23 @@ class OcclusionCheck {
   void drawFromNearToFar(const Vector3& viewpoint, const Body& body);
   enum class PixelSight : std::uint8_t { kVisible, kOccluded, kUnseen };
   void askLooks(const CuboidMap& map);
-  void countPixels();
+  void countPixels(std::vector<LinkVisibility>& links) const;
   /// Unseen: cuboids must tell.
   [[nodiscard]] PixelSight sightOf(const LookImage::Passes& passes, const ZBuffer::Pixel& drawn,
                                    LookImage::Ticks oldest) const;
 
   Config config_;
   double old_periods_;
-  std::vector<std::uint32_t> slot_of_shape_;  ///< index into result_.links
+  std::vector<LinkVisibility> links_;       ///< none of which shows
+  std::vector<std::size_t> slot_of_shape_;  ///< index into links_
   ZBuffer buffer_;
-  Result result_;
   std::vector<std::pair<double, std::uint32_t>> order_;  ///< distance of each shape, reused
   std::vector<PixelSight> sights_;  ///< what the looks say of each pixel that is drawn, reused
 };
+
+/// Whether the sensor sees the links that it should see, now and at the end of the way: where it
+/// does not, the robot moves blindly. @param moving_out_scale while a hidden link comes out.
+void judgeOcclusion(const Situation& situation, const OcclusionCheck::Config& config,
+                    double moving_out_scale, std::vector<Cause>& causes);
 
 }  // namespace tccm

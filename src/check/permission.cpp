@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "tccm_monitor/config_error.h"
-
 namespace tccm {
 namespace {
 
@@ -58,7 +56,7 @@ Cause Permission::held(Time now, const Findings& findings, bool moving_out) {
   }
   if (!last_stop_) return {};
   const bool moves_out_of_it = moving_out && last_stop_reason_ != Reason::kCollisionAhead;
-  if (moves_out_of_it || (moving_out && is_suspended)) return {};
+  if (moves_out_of_it || is_suspended) return {};
   const Duration release = std::max(fromSeconds(config_.release_s), findings.window);
   if (now - *last_stop_ >= release && clear_checks_ >= config_.release_checks) {
     last_stop_.reset();

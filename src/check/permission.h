@@ -16,12 +16,10 @@ namespace tccm {
 class Permission {
  public:
   struct Config {
-    /// Clear for so long before a stop is released; never less than the map's window.
     double release_s = 0.0;
-    int release_checks = 5;  ///< and in so many checks in a row
-    /// Collisions at the present pose, and faults, stop the robot until reset().
+    int release_checks = 5;
     bool hold_until_reset = true;
-    double speed_scale_rise_per_s = 0.5;  ///< how fast the scale goes up; it falls at once
+    double speed_scale_rise_per_s = 0.5;
 
     void describe(ParameterTable& table);
   };

@@ -1,56 +1,141 @@
 #include "check/pose_check.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace tccm {
 namespace {
 
-std::vector<std::uint32_t> linksOf(const RobotModel& model,
-                                   const std::vector<std::size_t>& shapes) {
-  std::vector<std::uint32_t> links;
-  for (const std::size_t i : shapes) {
-    links.push_back(static_cast<std::uint32_t>(model.shapes()[i].link));
-  }
-  return links;
+/// One cuboid with enough returns, of a cell's size, around the fixed frame's origin.
+CuboidMap mapOfOneCuboid(int points) {
+  constexpr double kCell = 0.02;
+  Grid::Config config;
+  config.cell_size_m = kCell;
+  config.size_x_m = config.size_y_m = 0.5;
+  config.origin_x_m = config.origin_y_m = -0.25 + 0.5 * kCell;
+  config.height_min_m = -1.0;
+  config.height_max_m = 1.0;
+  CuboidMap map;
+  map.grid = Grid(config);
+  Cuboid cuboid;
+  cuboid.cell = *map.grid.cellOf(Vector3::Zero());
+  cuboid.top = map.grid.heightOf(0.5 * kCell);
+  cuboid.bottom = map.grid.heightOf(-0.5 * kCell);
+  cuboid.points = static_cast<std::uint32_t>(points);
+  map.cuboids.push_back(cuboid);
+  indexCells(map);
+  map.viewpoint = Vector3(0.0, 0.0, 1.0);
+  map.complete = true;
+  return map;
 }
 
 }  // namespace
 
-PoseCheck::PoseCheck(std::shared_ptr<const CheckedRobot> robot, double old_periods)
-    : robot_(std::move(robot)),
-      collision_body_(robot_->collisionBody()),
-      occlusion_body_(robot_->occlusionBody()),
-      occlusion_(robot_->config().occlusion, linksOf(robot_->model(), occlusion_body_.shapes),
-                 old_periods) {}
-
-void PoseCheck::check(const CuboidMap& map, const Posture& posture, PoseFindings& findings) {
-  findContacts(map, posture, findings);
-  findOcclusion(map, posture, findings);
+UsedBody::UsedBody(const RobotModel& model, const LinkUse& use, const LinkUse::Keys& keys) {
+  const UsedShapes used = model.shapesFor(use, keys);
+  shapes = used.shapes;
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const LinkShape& bare = model.shapes()[shapes[i]];
+    links.push_back(static_cast<std::uint32_t>(bare.link));
+    body.shapes.push_back(expanded(bare.shape, used.expansions[i]));
+  }
+  body.poses.resize(shapes.size(), Pose::Identity());
 }
 
-void PoseCheck::findContacts(const CuboidMap& map, const Posture& posture, PoseFindings& findings) {
+std::vector<double> UsedBody::radii(double growth_m) const {
+  std::vector<double> radii;
+  for (const Shape& shape : body.shapes) {
+    radii.push_back(boundingRadius(expanded(shape, {1.0, growth_m})));
+  }
+  return radii;
+}
+
+void CheckedRobot::Config::describe(ParameterTable& table) {
+  collision_use.describe(table, kCollisionKeys, Tunable::kYes);
+  collision.describe(table);
+  table.add("check_occlusion", &check_occlusion,
+            "whether hidden links stop the robot; not switched off while it moves", Tunable::kYes);
+  occlusion_use.describe(table, kOcclusionKeys);
+  occlusion.describe(table);
+}
+
+void CheckedRobot::Config::validate() const {
+  collision_use.validate(kCollisionKeys);
+  occlusion_use.validate(kOcclusionKeys);
+}
+
+CheckedRobot::CheckedRobot(std::shared_ptr<const RobotModel> of_model, const Config& new_config)
+    : model(std::move(of_model)),
+      config(validated(new_config)),
+      collision_body(*model, config.collision_use, kCollisionKeys),
+      occlusion_body(*model, config.occlusion_use, kOcclusionKeys),
+      collision(config.collision) {}
+
+PoseCheck::PoseCheck(std::shared_ptr<const CheckedRobot> robot, double old_periods)
+    : robot_(std::move(robot)),
+      kinematics_(robot_->model),
+      collision_body_(robot_->collision_body),
+      occlusion_body_(robot_->occlusion_body),
+      occlusion_(robot_->config.occlusion, occlusion_body_.links, old_periods) {
+  for (const std::uint32_t link : collision_body_.links) {
+    clearance_of_shape_.push_back(entryOf(link, clearances_));
+  }
+}
+
+const Posture& PoseCheck::place(const std::vector<double>& positions,
+                                const std::vector<Pose>& T_fixed_roots) {
+  const Posture& posture = kinematics_.update(positions, T_fixed_roots);
   collision_body_.place(posture);
-  robot_->collision().find(map, collision_body_.body, findings.contacts);
+  occlusion_body_.place(posture);
+  return posture;
+}
+
+void PoseCheck::check(const CuboidMap& map, PoseFindings& findings) {
+  findContacts(map, findings);
+  findOcclusion(map, findings);
+}
+
+void PoseCheck::findContacts(const CuboidMap& map, PoseFindings& findings) const {
+  robot_->collision.find(map, collision_body_.body, findings.contacts);
   for (Contact& contact : findings.contacts) {
     contact.shape = static_cast<std::uint32_t>(collision_body_.shapes[contact.shape]);
   }
   findings.collision = !findings.contacts.empty();
 }
 
-void PoseCheck::findOcclusion(const CuboidMap& map, const Posture& posture,
-                              PoseFindings& findings) {
+void PoseCheck::findOcclusion(const CuboidMap& map, PoseFindings& findings) {
+  if (robot_->config.check_occlusion) {
+    occlusion_.find(map, occlusion_body_.body, findings);
+    return;
+  }
   findings.links.clear();
   findings.occluding_cuboids.clear();
   findings.occlusion = false;
-  if (!robot_->config().check_occlusion) return;
-  occlusion_body_.place(posture);
-  const OcclusionCheck::Result& hidden = occlusion_.find(map, occlusion_body_.body);
-  findings.links = hidden.links;
-  findings.occluding_cuboids.reserve(hidden.cuboids.capacity());
-  findings.occluding_cuboids = hidden.cuboids;
-  findings.occlusion =
-      std::any_of(hidden.links.begin(), hidden.links.end(),
-                  [this](const LinkVisibility& link) { return occlusion_.isOccluded(link); });
+}
+
+std::optional<NearestCuboid> PoseCheck::nearest(const CuboidMap& map, std::size_t i,
+                                                double nearer_than_m) const {
+  const Shape& bare = robot_->model->shapes()[collision_body_.shapes[i]].shape;
+  return robot_->collision.nearest(map, bare, collision_body_.body.poses[i], nearer_than_m);
+}
+
+const std::vector<LinkClearance>& PoseCheck::findClearances(const CuboidMap& map, double radius_m) {
+  for (LinkClearance& entry : clearances_) entry = {entry.link};
+  for (std::size_t i = 0; i < clearance_of_shape_.size(); ++i) {
+    LinkClearance& entry = clearances_[clearance_of_shape_[i]];
+    const auto found = nearest(map, i, std::min(radius_m, entry.distance_m));
+    if (found) entry = {entry.link, found->distance_m, found->cuboid};
+  }
+  return clearances_;
+}
+
+double PoseCheck::leastClearance(const CuboidMap& map, double radius_m) const {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < collision_body_.shapes.size() && least > 0.0; ++i) {
+    const auto found = nearest(map, i, std::min(radius_m, least));
+    if (found) least = found->distance_m;
+  }
+  return least;
 }
 
 std::string PoseCheck::mostHiddenLink(const PoseFindings& findings) const {
@@ -59,7 +144,41 @@ std::string PoseCheck::mostHiddenLink(const PoseFindings& findings) const {
     if (!occlusion_.isOccluded(link)) continue;
     if (!most || link.occluded_fraction > most->occluded_fraction) most = &link;
   }
-  return most ? robot_->model().links()[most->link] : std::string();
+  return most ? robot_->model->links()[most->link] : std::string();
+}
+
+std::vector<std::string> selfTest(const CheckedRobot& robot, PoseCheck& check) {
+  const RobotModel& model = *robot.model;
+  // Some pose within the limits; the middles of the primitives are known at any.
+  std::vector<double> positions;
+  for (const JointVariable& variable : model.variables()) {
+    const bool limited = variable.lower && variable.upper;
+    positions.push_back(limited ? 0.5 * (*variable.lower + *variable.upper) : 0.0);
+  }
+  const std::vector<Pose> T_fixed_roots(model.roots().size(), Pose::Identity());
+  const std::vector<Pose> at_rest = check.place(positions, T_fixed_roots).T_fixed_shapes;
+  const CollisionCheck::Config& rule = robot.config.collision;
+  const CuboidMap map = mapOfOneCuboid(rule.support_points);
+  const auto most = static_cast<std::size_t>(rule.contacts_max);
+  std::vector<std::string> missed;
+  PoseFindings findings;
+  for (const std::size_t shape : robot.collision_body.shapes) {
+    // The robot is moved to the cuboid.
+    std::vector<Pose> roots = T_fixed_roots;
+    for (Pose& pose : roots) pose.pretranslate(-at_rest[shape].translation());
+    check.place(positions, roots);
+    check.findContacts(map, findings);
+    const auto& contacts = findings.contacts;
+    const bool found = contacts.size() == most || std::any_of(contacts.begin(), contacts.end(),
+                                                              [shape](const Contact& contact) {
+                                                                return contact.shape == shape;
+                                                              });
+    const std::string& link = model.linkOf(shape);
+    if (!found && std::find(missed.begin(), missed.end(), link) == missed.end()) {
+      missed.push_back(link);
+    }
+  }
+  return missed;
 }
 
 }  // namespace tccm

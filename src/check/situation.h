@@ -1,21 +1,34 @@
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
-#include "check/braking.h"
 #include "check/commanded_trajectories.h"
 #include "check/pose_check.h"
 
 namespace tccm {
+
+/// How late a robot obeys and how it comes to rest: one for all who reckon with it.
+struct Braking {
+  double deceleration_mps2 = 2.0;
+  double reaction_time_s = 0.02;
+  double margin_max_m = 0.1;
+  double latency_s = 0.0;  ///< of verdicts, as measured; no parameter
+
+  void describe(ParameterTable& table);
+
+  /// After which a verdict on joint states of that age has an effect.
+  [[nodiscard]] double delay(double joints_age_s) const {
+    return reaction_time_s + std::max(0.0, latency_s + joints_age_s);
+  }
+};
 
 /// What there is to judge at one instant. Every pose in it was computed once, for all judges.
 struct Situation {
   Time now;
   const CuboidMap& map;
   const JointSnapshot& joints;
-  const Posture& posture;            ///< where the robot is
-  const Ways& ways;                  ///< where it goes until the horizon
-  CommandedTrajectories& commanded;  ///< what those rest on
+  CommandedTrajectories& commanded;  ///< has found where the robot goes until the horizon
   const PoseCheck& check_here;       ///< at the present pose
   const PoseCheck& check_ahead;      ///< at the end of the way
   const PoseFindings& here;          ///< what they found

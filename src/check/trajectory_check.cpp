@@ -1,10 +1,7 @@
 #include "check/trajectory_check.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
-
-#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {
@@ -32,43 +29,45 @@ TrajectoryCheck::TrajectoryCheck(const std::shared_ptr<const CheckedRobot>& robo
                                  double old_periods)
     : robot_(robot),
       config_(validated(config)),
-      kinematics_(robot->sharedModel()),
       pose_(robot, old_periods),
       way_(robot, config.step_m, 0.0),
-      clearance_(robot, clearance_radius_m),
-      path_(robot->model().variables().size()) {}
+      clearance_radius_m_(clearance_radius_m),
+      path_(robot->model->variables().size()) {}
 
 TrajectoryAnswer TrajectoryCheck::check(const CuboidMap& map, const JointTrajectory& trajectory,
                                         const std::vector<double>& from,
                                         const std::vector<Pose>& T_fixed_roots) {
   TrajectoryAnswer answer;
-  const std::string defect = defectOf(trajectory, robot_->model());
+  const std::string defect = defectOf(trajectory, *robot_->model);
   if (!defect.empty()) {
     answer.cause = {Reason::kBadQuestion, defect};
     return answer;
   }
-  makePath(trajectory, robot_->model(), from, kSplineTolerance, path_);
+  makePath(trajectory, *robot_->model, from, kSplineTolerance, path_);
+  const Way way{map, path_, T_fixed_roots};
   for (const JointTrajectory::Point& point : trajectory.points) {
-    path_.positionsAt(point.time_s, positions_);
-    answer.clearances_m.push_back(
-        clearance_.least(map, kinematics_.update(positions_, T_fixed_roots)));
+    place(way, point.time_s);
+    answer.clearances_m.push_back(pose_.leastClearance(map, clearance_radius_m_));
   }
-  findCollision(map, trajectory, T_fixed_roots, answer);
-  if (answer.cause.reason == Reason::kClear && robot_->config().check_occlusion) {
-    findOcclusion(map, trajectory, T_fixed_roots, answer);
+  findCollision(way, trajectory, answer);
+  if (answer.cause.reason == Reason::kClear && robot_->config.check_occlusion) {
+    findOcclusion(way, trajectory, answer);
   }
   return answer;
 }
 
-void TrajectoryCheck::findCollision(const CuboidMap& map, const JointTrajectory& trajectory,
-                                    const std::vector<Pose>& T_fixed_roots,
+void TrajectoryCheck::place(const Way& way, double time_s) {
+  way.path.positionsAt(time_s, positions_);
+  pose_.place(positions_, way.T_fixed_roots);
+}
+
+void TrajectoryCheck::findCollision(const Way& way, const JointTrajectory& trajectory,
                                     TrajectoryAnswer& answer) {
-  double from_s = path_.begin();
+  double from_s = way.path.begin();
   for (std::size_t i = 0; i < trajectory.points.size(); ++i) {
     const double to_s = trajectory.points[i].time_s;
-    const auto found = way_.firstContact(map, path_, from_s, to_s, T_fixed_roots, i == 0);
-    if (found) {
-      const std::string& link = robot_->model().linkOf(found->contact.shape);
+    if (const auto found = way_.firstContact(way, from_s, to_s, i == 0)) {
+      const std::string& link = robot_->model->linkOf(found->contact.shape);
       answer.index = i;
       answer.time_s = from_s + found->time_s;
       answer.contact = found->contact;
@@ -79,21 +78,21 @@ void TrajectoryCheck::findCollision(const CuboidMap& map, const JointTrajectory&
   }
 }
 
-void TrajectoryCheck::findOcclusion(const CuboidMap& map, const JointTrajectory& trajectory,
-                                    const std::vector<Pose>& T_fixed_roots,
+void TrajectoryCheck::findOcclusion(const Way& way, const JointTrajectory& trajectory,
                                     TrajectoryAnswer& answer) {
   const std::size_t points = trajectory.points.size();
   const auto poses = std::min(points, static_cast<std::size_t>(config_.occlusion_poses));
   for (std::size_t k = 1; k <= poses; ++k) {
     const std::size_t i = k * points / poses - 1;  // the last one is among them
-    path_.positionsAt(trajectory.points[i].time_s, positions_);
-    pose_.findOcclusion(map, kinematics_.update(positions_, T_fixed_roots), findings_);
+    const double time_s = trajectory.points[i].time_s;
+    place(way, time_s);
+    pose_.findOcclusion(way.map, findings_);
     const std::string hidden = pose_.mostHiddenLink(findings_);
     if (hidden.empty()) continue;
     answer.index = i;
-    answer.time_s = trajectory.points[i].time_s;
-    answer.cause = {Reason::kOcclusion,
-                    atTime(hidden + " is hidden from the sensor", answer.time_s), hidden};
+    answer.time_s = time_s;
+    answer.cause = {Reason::kOcclusion, atTime(hidden + " is hidden from the sensor", time_s),
+                    hidden};
     return;
   }
 }

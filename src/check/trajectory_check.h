@@ -1,11 +1,8 @@
 #pragma once
 
 #include <memory>
-#include <optional>
-#include <string>
 #include <vector>
 
-#include "check/clearance_check.h"
 #include "check/pose_check.h"
 #include "check/way_check.h"
 #include "config/parameter_table.h"
@@ -24,7 +21,7 @@ class TrajectoryCheck {
     void describe(ParameterTable& table);
   };
 
-  /// @param clearance_radius_m as ClearanceCheck. @param old_periods as PoseCheck.
+  /// @param clearance_radius_m, old_periods as PoseCheck takes them.
   /// @throws ConfigError
   TrajectoryCheck(const std::shared_ptr<const CheckedRobot>& robot, const Config& config,
                   double clearance_radius_m, double old_periods);
@@ -36,17 +33,15 @@ class TrajectoryCheck {
                                        const std::vector<Pose>& T_fixed_roots);
 
  private:
-  void findCollision(const CuboidMap& map, const JointTrajectory& trajectory,
-                     const std::vector<Pose>& T_fixed_roots, TrajectoryAnswer& answer);
-  void findOcclusion(const CuboidMap& map, const JointTrajectory& trajectory,
-                     const std::vector<Pose>& T_fixed_roots, TrajectoryAnswer& answer);
+  void place(const Way& way, double time_s);
+  void findCollision(const Way& way, const JointTrajectory& trajectory, TrajectoryAnswer& answer);
+  void findOcclusion(const Way& way, const JointTrajectory& trajectory, TrajectoryAnswer& answer);
 
   std::shared_ptr<const CheckedRobot> robot_;
   Config config_;
-  Kinematics kinematics_;
   PoseCheck pose_;
   WayCheck way_;
-  ClearanceCheck clearance_;
+  double clearance_radius_m_;
   JointPath path_;
   PoseFindings findings_;
   std::vector<double> positions_;

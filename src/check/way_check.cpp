@@ -1,10 +1,8 @@
 #include "check/way_check.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 
-#include "check/nearest_cuboid.h"
 #include "geometry/distance.h"
 #include "geometry/overlap.h"
 
@@ -19,52 +17,38 @@ constexpr double kTouching = 1e-6;  // [m] that count as nothing
 
 WayCheck::WayCheck(std::shared_ptr<const CheckedRobot> robot, double step_m, double margin_max_m)
     : robot_(std::move(robot)),
-      body_(robot_->collisionBody()),
+      body_(robot_->collision_body),
       grown_(body_),
       margin_max_m_(margin_max_m),
-      margins_m_(body_.shapes.size(), 0.0),
       speeds_mps_(body_.shapes.size(), 0.0),
       skipped_(body_.shapes.size(), false),
-      kinematics_(robot_->sharedModel()),
-      bound_(robot_->model(), body_.shapes, body_.radii(margin_max_m)),
+      kinematics_(robot_->model),
+      bound_(*robot_->model, body_.shapes, body_.radii(margin_max_m)),
       reach_max_m_(0.5 * step_m),
-      stretches_(kDepthMax + 1),
+      near_(kDepthMax + 1),
       known_(body_.shapes.size()) {
-  const std::size_t variables = robot_->model().variables().size();
+  const std::size_t variables = robot_->model->variables().size();
+  for (auto& shapes : near_) shapes.reserve(body_.shapes.size());
   for (Known& known : known_) known.travel.resize(variables);
-  since_known_.resize(variables);
-  for (Stretch& stretch : stretches_) {
-    stretch.shapes.reserve(body_.shapes.size());
-    for (auto* values : {&stretch.travel_from, &stretch.travel_middle, &stretch.travel_to,
-                         &stretch.travel, &stretch.positions}) {
-      values->resize(variables);
-    }
+  for (auto* values : {&positions_, &travel_, &travel_from_, &travel_to_, &reach_, &since_known_}) {
+    values->resize(variables);
   }
-}
-
-void WayCheck::clearMargins() {
-  std::fill(margins_m_.begin(), margins_m_.end(), 0.0);
-  growBodies();
 }
 
 void WayCheck::skip(const std::vector<Contact>& contacts) {
-  std::fill(skipped_.begin(), skipped_.end(), false);
-  for (const Contact& contact : contacts) {
-    const auto used = std::find(body_.shapes.begin(), body_.shapes.end(), contact.shape);
-    if (used != body_.shapes.end()) {
-      skipped_[static_cast<std::size_t>(used - body_.shapes.begin())] = true;
-    }
+  for (std::size_t i = 0; i < skipped_.size(); ++i) {
+    skipped_[i] = std::any_of(contacts.begin(), contacts.end(), [&](const Contact& contact) {
+      return contact.shape == body_.shapes[i];
+    });
   }
 }
 
-void WayCheck::setMargins(const JointPath& path, double from_s, double to_s,
-                          const std::vector<Pose>& T_fixed_roots, double per_speed_s) {
+void WayCheck::setMargins(const Way& way, double from_s, double to_s, double per_speed_s) {
   std::fill(speeds_mps_.begin(), speeds_mps_.end(), 0.0);
   const double step_s = (to_s - from_s) / kSpeedSamples;
-  std::vector<double>& positions = stretches_.front().positions;
   for (int k = 0; step_s > 0.0 && k <= kSpeedSamples; ++k) {
-    path.positionsAt(from_s + k * step_s, positions);
-    kinematics_.update(positions, T_fixed_roots);
+    way.path.positionsAt(from_s + k * step_s, positions_);
+    kinematics_.update(positions_, way.T_fixed_roots);
     for (std::size_t i = 0; i < body_.shapes.size(); ++i) {
       const Pose& pose = kinematics_.shapePoses()[body_.shapes[i]];
       if (k > 0) {
@@ -75,52 +59,36 @@ void WayCheck::setMargins(const JointPath& path, double from_s, double to_s,
       body_.body.poses[i] = pose;
     }
   }
-  for (std::size_t i = 0; i < margins_m_.size(); ++i) {
-    margins_m_[i] = std::min(per_speed_s * speeds_mps_[i], margin_max_m_);
-  }
-  growBodies();
-}
-
-void WayCheck::growBodies() {
-  for (std::size_t i = 0; i < margins_m_.size(); ++i) {
-    grown_.body.shapes[i] = expanded(body_.body.shapes[i], {1.0, margins_m_[i]});
+  for (std::size_t i = 0; i < body_.shapes.size(); ++i) {
+    const double margin_m = std::min(per_speed_s * speeds_mps_[i], margin_max_m_);
+    grown_.body.shapes[i] = expanded(body_.body.shapes[i], {1.0, margin_m});
   }
 }
 
-void WayCheck::place(const Way& way, double time_s, std::vector<double>& positions) {
-  way.path.positionsAt(time_s, positions);
-  grown_.place(kinematics_.update(positions, way.T_fixed_roots));
+void WayCheck::place(const Way& way, double time_s) {
+  way.path.positionsAt(time_s, positions_);
+  way.path.travelUntil(time_s, travel_);
+  grown_.place(kinematics_.update(positions_, way.T_fixed_roots));
   ++poses_;
 }
 
-double WayCheck::reach(std::uint32_t shape, const std::vector<double>& from,
-                       const std::vector<double>& middle, const std::vector<double>& to,
-                       std::vector<double>& travel) const {
-  for (std::size_t v = 0; v < travel.size(); ++v) {
-    travel[v] = std::max(middle[v] - from[v], to[v] - middle[v]);
-  }
-  return bound_.displacement(shape, travel);
-}
-
-double WayCheck::knownClearance(std::uint32_t shape, const std::vector<double>& travel) {
+double WayCheck::knownClearance(std::uint32_t shape) {
   const Known& known = known_[shape];
-  for (std::size_t v = 0; v < travel.size(); ++v) {
-    since_known_[v] = std::abs(travel[v] - known.travel[v]);
+  for (std::size_t v = 0; v < travel_.size(); ++v) {
+    since_known_[v] = std::abs(travel_[v] - known.travel[v]);
   }
   return known.clearance_m - bound_.displacement(shape, since_known_);
 }
 
-std::optional<Contact> WayCheck::touching(const Way& way, std::uint32_t shape,
-                                          const std::vector<double>& travel) {
-  if (knownClearance(shape, travel) > 0.0) return std::nullopt;
-  const auto cuboid = robot_->collision().first(way.map, grown_.body.shapes[shape],
-                                                grown_.body.poses[shape], shape);
+std::optional<Contact> WayCheck::touching(const Way& way, std::uint32_t shape) {
+  if (knownClearance(shape) > 0.0) return std::nullopt;
+  const auto cuboid =
+      robot_->collision.first(way.map, grown_.body.shapes[shape], grown_.body.poses[shape], shape);
   if (!cuboid) return std::nullopt;
   return Contact{shape, *cuboid};
 }
 
-bool WayCheck::comesNear(const Way& way, std::uint32_t shape, const std::vector<double>& travel,
-                         double metres) {
+bool WayCheck::comesNear(const Way& way, std::uint32_t shape, double metres) {
   Known& known = known_[shape];
   const Shape& solid = grown_.body.shapes[shape];
   const Pose& pose = grown_.body.poses[shape];
@@ -128,74 +96,68 @@ bool WayCheck::comesNear(const Way& way, std::uint32_t shape, const std::vector<
     const UprightBox box = way.map.box(way.map.cuboids[*known.nearest]);
     if (overlaps(expanded(solid, {1.0, metres}), pose, box)) return true;
   }
-  NearestCuboidSearch search(way.map, solid, pose, metres + kTouching);
-  const auto found = search.find(
-      [&](const Cuboid& cuboid) { return robot_->collision().hasSupport(way.map, cuboid); });
+  const auto found = robot_->collision.nearest(way.map, solid, pose, metres + kTouching);
   known.clearance_m = found ? found->distance_m : metres + kTouching;
-  known.travel = travel;
+  known.travel = travel_;
   if (found) known.nearest = found->cuboid;
   return found.has_value();
 }
 
 std::optional<WayCheck::Found> WayCheck::at(const Way& way, double time_s) {
-  std::vector<double>& travel = stretches_.front().travel;
-  place(way, time_s, stretches_.front().positions);
-  way.path.travelUntil(time_s, travel);
+  place(way, time_s);
   for (std::uint32_t shape = 0; shape < grown_.shapes.size(); ++shape) {
     if (skipped_[shape]) continue;
-    if (const auto contact = touching(way, shape, travel)) return Found{time_s, *contact};
+    if (const auto contact = touching(way, shape)) return Found{time_s, *contact};
   }
   return std::nullopt;
 }
 
-/// @pre stretches_[depth].shapes are those to look at.
+/// @pre near_[depth] are the shapes to look at.
 std::optional<WayCheck::Found> WayCheck::search(const Way& way, double from_s, double to_s,
                                                 std::size_t depth) {
-  Stretch& stretch = stretches_[depth];
+  std::vector<std::uint32_t>& shapes = near_[depth];
   const double middle_s = 0.5 * (from_s + to_s);
-  place(way, middle_s, stretch.positions);
-  way.path.travelUntil(from_s, stretch.travel_from);
-  way.path.travelUntil(middle_s, stretch.travel_middle);
-  way.path.travelUntil(to_s, stretch.travel_to);
+  place(way, middle_s);
+  way.path.travelUntil(from_s, travel_from_);
+  way.path.travelUntil(to_s, travel_to_);
+  for (std::size_t v = 0; v < reach_.size(); ++v) {
+    reach_[v] = std::max(travel_[v] - travel_from_[v], travel_to_[v] - travel_[v]);
+  }
   double furthest = 0.0;
   std::optional<Found> found;
   std::size_t near = 0;
-  for (const std::uint32_t shape : stretch.shapes) {
-    const double moved =
-        reach(shape, stretch.travel_from, stretch.travel_middle, stretch.travel_to, stretch.travel);
-    if (knownClearance(shape, stretch.travel_middle) > moved) continue;
-    if (!comesNear(way, shape, stretch.travel_middle, moved)) continue;
+  for (const std::uint32_t shape : shapes) {
+    // How far any of its points is from where it is in the middle, at most.
+    const double moved = bound_.displacement(shape, reach_);
+    if (knownClearance(shape) > moved || !comesNear(way, shape, moved)) continue;
     const bool is_jump = depth == kDepthMax && moved > reach_max_m_;
     std::optional<std::uint32_t> swept_cuboid;
-    if (robot_->collision().exemptsAny() || is_jump) {
+    if (robot_->collision.exemptsAny() || is_jump) {
       const Shape swept = expanded(grown_.body.shapes[shape], {1.0, moved});
-      swept_cuboid = robot_->collision().first(way.map, swept, grown_.body.poses[shape], shape);
+      swept_cuboid = robot_->collision.first(way.map, swept, grown_.body.poses[shape], shape);
       if (!swept_cuboid) continue;
     }
-    stretch.shapes[near++] = shape;
+    shapes[near++] = shape;
     furthest = std::max(furthest, moved);
     if (found) continue;
-    if (const auto contact = touching(way, shape, stretch.travel_middle)) {
+    if (const auto contact = touching(way, shape)) {
       found = Found{middle_s, *contact};
     } else if (is_jump) {
       found = Found{middle_s, {shape, *swept_cuboid}};  // a jump: nothing shows that it is free
     }
   }
-  stretch.shapes.resize(near);
+  shapes.resize(near);
   if (near == 0) return std::nullopt;
   if (furthest <= reach_max_m_ || depth == kDepthMax) return found;
-  stretches_[depth + 1].shapes = stretch.shapes;
+  near_[depth + 1] = shapes;
   if (const auto earlier = search(way, from_s, middle_s, depth + 1)) return earlier;
   if (found) return found;
-  stretches_[depth + 1].shapes = stretch.shapes;
+  near_[depth + 1] = shapes;
   return search(way, middle_s, to_s, depth + 1);
 }
 
-std::optional<WayContact> WayCheck::firstContact(const CuboidMap& map, const JointPath& path,
-                                                 double from_s, double to_s,
-                                                 const std::vector<Pose>& T_fixed_roots,
+std::optional<WayContact> WayCheck::firstContact(const Way& way, double from_s, double to_s,
                                                  bool look_at_begin) {
-  const Way way{map, path, T_fixed_roots};
   poses_ = 0;
   for (Known& known : known_) {
     known.clearance_m = 0.0;
@@ -204,25 +166,21 @@ std::optional<WayContact> WayCheck::firstContact(const CuboidMap& map, const Joi
   std::optional<Found> found;
   if (look_at_begin) found = at(way, from_s);
   if (!found && to_s > from_s) {
-    auto& shapes = stretches_.front().shapes;
-    shapes.clear();
+    near_.front().clear();
     for (std::uint32_t i = 0; i < grown_.shapes.size(); ++i) {
-      if (!skipped_[i]) shapes.push_back(i);
+      if (!skipped_[i]) near_.front().push_back(i);
     }
     found = search(way, from_s, to_s, 0);
     if (!found) found = at(way, to_s);
   }
   if (!found) return std::nullopt;
-  WayContact contact;
-  contact.time_s = found->time_s - from_s;
-  contact.link_speed_mps = speeds_mps_[found->contact.shape];
-  place(way, from_s, stretches_.front().positions);
-  contact.distance_m =
-      distance(grown_.body.shapes[found->contact.shape], grown_.body.poses[found->contact.shape],
-               map.box(map.cuboids[found->contact.cuboid]));
-  contact.contact = {static_cast<std::uint32_t>(body_.shapes[found->contact.shape]),
-                     found->contact.cuboid};
-  return contact;
+  const auto [shape, cuboid] = found->contact;
+  place(way, from_s);
+  return WayContact{{static_cast<std::uint32_t>(body_.shapes[shape]), cuboid},
+                    found->time_s - from_s,
+                    distance(grown_.body.shapes[shape], grown_.body.poses[shape],
+                             way.map.box(way.map.cuboids[cuboid])),
+                    speeds_mps_[shape]};
 }
 
 }  // namespace tccm

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "check/checked_robot.h"
+#include "check/pose_check.h"
 #include "robot/joint_path.h"
 #include "robot/motion_bound.h"
 
@@ -24,45 +24,28 @@ class WayCheck {
   /// @param margin_max_m none is larger.
   WayCheck(std::shared_ptr<const CheckedRobot> robot, double step_m, double margin_max_m);
 
-  [[nodiscard]] const std::vector<std::size_t>& shapes() const { return body_.shapes; }
-
-  /// How fast each of shapes() moves at most along the way, from poses a quarter of it apart, and
-  /// how much it grows by for that. Lasts until the next call.
+  /// How fast each primitive moves at most along the way, from poses a quarter of it apart, and how
+  /// much it grows by for that. Lasts until the next call.
   /// @param per_speed_s metres for each metre a second that the primitive moves at.
-  void setMargins(const JointPath& path, double from_s, double to_s,
-                  const std::vector<Pose>& T_fixed_roots, double per_speed_s);
+  void setMargins(const Way& way, double from_s, double to_s, double per_speed_s);
   /// Speeds stay known.
-  void clearMargins();
+  void clearMargins() { grown_.body.shapes = body_.body.shapes; }
   /// Shapes of these contacts are not looked at until the next call.
   void skip(const std::vector<Contact>& contacts);
 
-  /// The first contact from one instant of the path to another, both included.
-  /// @param T_fixed_roots one for each of the model's roots; they stand still.
+  /// The first contact from one instant of the way to another, both included.
   /// @param look_at_begin false: the pose at from_s is known to be free.
-  [[nodiscard]] std::optional<WayContact> firstContact(const CuboidMap& map, const JointPath& path,
-                                                       double from_s, double to_s,
-                                                       const std::vector<Pose>& T_fixed_roots,
+  [[nodiscard]] std::optional<WayContact> firstContact(const Way& way, double from_s, double to_s,
                                                        bool look_at_begin = true);
   /// At how many poses the last firstContact() looked.
   [[nodiscard]] std::size_t poses() const { return poses_; }
 
  private:
-  /// A stretch of the way, and what could not be proven free on the stretch that it is a part of.
-  struct Stretch {
-    std::vector<std::uint32_t> shapes;  ///< that may touch something in it
-    std::vector<double> travel_from, travel_middle, travel_to, travel;
-    std::vector<double> positions;
-  };
   /// What was found of a shape at one instant of the way.
   struct Known {
     double clearance_m = 0.0;              ///< at least
     std::vector<double> travel;            ///< of the variables until then
     std::optional<std::uint32_t> nearest;  ///< cuboid, then
-  };
-  struct Way {
-    const CuboidMap& map;
-    const JointPath& path;
-    const std::vector<Pose>& T_fixed_roots;
   };
   struct Found {
     double time_s;
@@ -71,35 +54,33 @@ class WayCheck {
   [[nodiscard]] std::optional<Found> search(const Way& way, double from_s, double to_s,
                                             std::size_t depth);
   [[nodiscard]] std::optional<Found> at(const Way& way, double time_s);
-  [[nodiscard]] std::optional<Contact> touching(const Way& way, std::uint32_t shape,
-                                                const std::vector<double>& travel);
-  /// How far a shape is from everything at least, after that travel.
-  [[nodiscard]] double knownClearance(std::uint32_t shape, const std::vector<double>& travel);
-  /// Whether anything lies within that distance of a shape where it is now. Regions that are exempt
-  /// make no difference.
-  [[nodiscard]] bool comesNear(const Way& way, std::uint32_t shape,
-                               const std::vector<double>& travel, double metres);
-  void place(const Way& way, double time_s, std::vector<double>& positions);
-  /// How far any of a shape's points is from where it is in the middle, at most.
-  [[nodiscard]] double reach(std::uint32_t shape, const std::vector<double>& from,
-                             const std::vector<double>& middle, const std::vector<double>& to,
-                             std::vector<double>& travel) const;
-  void growBodies();
+  /// Puts the robot where it is at an instant of the way.
+  void place(const Way& way, double time_s);
+
+  // Of a shape of the robot as it was placed last:
+
+  [[nodiscard]] std::optional<Contact> touching(const Way& way, std::uint32_t shape);
+  /// How far it is from everything at least.
+  [[nodiscard]] double knownClearance(std::uint32_t shape);
+  /// Whether anything lies within that distance. Regions that are exempt make no difference.
+  [[nodiscard]] bool comesNear(const Way& way, std::uint32_t shape, double metres);
 
   std::shared_ptr<const CheckedRobot> robot_;
   UsedBody body_;   ///< expanded as asked for
   UsedBody grown_;  ///< and by the margin
   double margin_max_m_;
-  std::vector<double> margins_m_;
   std::vector<double> speeds_mps_;
   std::vector<bool> skipped_;
   Kinematics kinematics_;
   MotionBound bound_;
-  double reach_max_m_;               ///< half a step
-  std::vector<Stretch> stretches_;   ///< by depth
-  std::vector<Known> known_;         ///< by shape
-  std::vector<double> since_known_;  ///< reused
+  double reach_max_m_;  ///< half a step
+  /// Shapes that may touch something in a stretch of the way, by the number of halvings that made
+  /// it: those that could not be proven free on the stretch that it is a part of.
+  std::vector<std::vector<std::uint32_t>> near_;
+  std::vector<Known> known_;  ///< by shape
   std::size_t poses_ = 0;
+  std::vector<double> positions_, travel_;  ///< of the variables as the robot was placed last
+  std::vector<double> travel_from_, travel_to_, reach_, since_known_;  ///< reused
 };
 
 }  // namespace tccm

@@ -4,19 +4,111 @@
 #include <cmath>
 #include <limits>
 
-#include "check/solid_view.h"
+#include "geometry/line_span.h"
 
 namespace tccm {
 namespace {
 
-using view::AngularBounds;
-using view::cornerBounds;
-using view::Entry;
-
 constexpr double kPi = 3.14159265358979323846;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr ZBuffer::Pixel kEmpty{std::numeric_limits<float>::infinity(), 0, false, false};
-
 constexpr int kNarrow = 2;  // columns on either side of its middle that most cuboids reach at most
+
+/// Where rays from one point outside a solid first meet it.
+/// @return the way there along the direction of length 1; infinite where the ray misses [m].
+template <typename Solid>
+class Entry {
+ public:
+  Entry(const Solid& solid, const Vector3& origin)
+      : solid_(solid), ray_{origin, Vector3::UnitX()} {}
+
+  double operator()(const Vector3& direction) {
+    ray_.direction = direction;
+    const LineSpan span = lineSpan(solid_, ray_);
+    return span.empty() || span.leave < 0.0 ? kInfinity : std::max(0.0, span.enter);
+  }
+
+ private:
+  const Solid& solid_;
+  Ray ray_;
+};
+
+/// Only faces whose outer side the origin is on can be entered through.
+template <>
+class Entry<Box> {
+ public:
+  Entry(const Box& box, const Vector3& origin)
+      : half_(box.half_extents * (1.0 + kRounding)), origin_(origin) {
+    for (int i = 0; i < 3; ++i) {
+      inward_[i] = -std::copysign(1.0, origin[i]);
+      beyond_[i] = std::abs(origin[i]) - box.half_extents[i];
+    }
+  }
+
+  double operator()(const Vector3& direction) const {
+    double enter = 0.0;
+    for (int i = 0; i < 3; ++i) {
+      if (beyond_[i] <= 0.0) continue;
+      const double towards = inward_[i] * direction[i];
+      if (!(towards > 0.0)) return kInfinity;
+      enter = std::max(enter, beyond_[i] / towards);
+    }
+    for (int i = 0; i < 3; ++i) {
+      if (std::abs(origin_[i] + enter * direction[i]) > half_[i]) return kInfinity;
+    }
+    return enter;
+  }
+
+ private:
+  static constexpr double kRounding = 1e-12;
+  Vector3 half_;
+  Vector3 origin_;
+  Vector3 inward_;  ///< signs of directions that lead in
+  Vector3 beyond_;  ///< how far the origin is outside of the faces on its side [m]
+};
+
+/// Angles that a solid cannot reach beyond.
+struct AngularBounds {
+  double elevation_low = -0.5 * kPi, elevation_high = 0.5 * kPi;
+  /// All its corners are ahead of the plane through the viewpoint that stands upright across the
+  /// way to the centre; only then are azimuths bounded.
+  bool is_ahead = false;
+  double azimuth_low = 0.0, azimuth_high = 0.0;  ///< relative to that of its centre
+};
+
+/// From the corners of the box around the shape.
+AngularBounds cornerBounds(const Shape& shape, const Pose& T_fixed_shape, const Vector3& to_shape) {
+  const double range = to_shape.head<2>().norm();
+  const Eigen::Vector2d ahead = to_shape.head<2>() / (range > 0.0 ? range : 1.0);
+  const Vector3 half_extents = bounds(shape, Pose::Identity()).max();
+  const Eigen::Matrix3d edges = T_fixed_shape.linear() * half_extents.asDiagonal();
+  double nearest = kInfinity, farthest = 0.0, lowest = kInfinity, highest = -kInfinity;
+  double right = kInfinity, left = -kInfinity;  // tangents of the azimuth
+  for (unsigned i = 0; i < 8; ++i) {
+    const Vector3 corner =
+        to_shape + edges * Vector3((i & 1U) ? 1 : -1, (i & 2U) ? 1 : -1, (i & 4U) ? 1 : -1);
+    const Eigen::Vector2d level = corner.head<2>();
+    const double along = ahead.dot(level);
+    const double tangent = directions::cross(ahead, level) / along;
+    right = std::min(right, tangent);
+    left = std::max(left, tangent);
+    nearest = std::min(nearest, along);
+    farthest = std::max(farthest, level.norm());
+    lowest = std::min(lowest, corner.z());
+    highest = std::max(highest, corner.z());
+  }
+  AngularBounds angles;
+  angles.is_ahead = nearest >= 1e-3;
+  angles.azimuth_low = std::atan(right);
+  angles.azimuth_high = std::atan(left);
+  if (angles.is_ahead || lowest > 0.0) {
+    angles.elevation_low = std::atan(lowest / (lowest < 0.0 ? nearest : farthest));
+  }
+  if (angles.is_ahead || highest < 0.0) {
+    angles.elevation_high = std::atan(highest / (highest < 0.0 ? farthest : nearest));
+  }
+  return angles;
+}
 
 }  // namespace
 
@@ -25,8 +117,8 @@ ZBuffer::ZBuffer(double resolution)
       narrow_sine_(std::sin(std::min(kNarrow * grid_.resolution(), 0.25 * kPi))),
       pixels_(grid_.pixels(), kEmpty),
       level_rays_(static_cast<std::size_t>(grid_.columns())),
-      column_farthest_(static_cast<std::size_t>(grid_.columns()), 0.0F),
-      neighbours_farthest_(static_cast<std::size_t>(grid_.columns()), 0.0F) {
+      column_farthest_(grid_.columns()),
+      neighbours_farthest_(grid_.columns()) {
   drawn_.reserve(pixels_.size());
 }
 
@@ -44,10 +136,10 @@ ZBuffer::Window ZBuffer::windowOf(const Shape& shape, const Pose& T_fixed_shape)
   const AngularBounds angles = cornerBounds(shape, T_fixed_shape, to_shape);
   Window window{grid_.rowOf(angles.elevation_low), grid_.rowOf(angles.elevation_high) + 1, 0,
                 grid_.columns()};
-  if (angles.azimuth) {
+  if (angles.is_ahead) {
     const double azimuth = std::atan2(to_shape.y(), to_shape.x());
-    const int first = grid_.columnOf(azimuth + angles.azimuth->low);
-    const int last = grid_.columnOf(azimuth + angles.azimuth->high);
+    const int first = grid_.columnOf(azimuth + angles.azimuth_low);
+    const int last = grid_.columnOf(azimuth + angles.azimuth_high);
     const int turn = first < 0 ? grid_.columns() : first >= grid_.columns() ? -grid_.columns() : 0;
     window.column_begin = first + turn;
     window.column_end = last + turn + 1;
@@ -73,7 +165,7 @@ void ZBuffer::draw(const Shape& shape, const Pose& T_fixed_shape, std::uint32_t 
 
 void ZBuffer::findColumns() {
   constexpr int kMargin = kNarrow + 1;
-  std::fill(column_farthest_.begin(), column_farthest_.end(), 0.0F);
+  column_farthest_.setZero();
   lowest_row_ = grid_.rows();
   highest_row_ = -1;
   for (const std::uint32_t index : drawn_) {
@@ -83,21 +175,20 @@ void ZBuffer::findColumns() {
     const int column = static_cast<int>(index) - row * grid_.columns();
     // Rounded up, so that nothing is left out that stands just in front.
     const auto level = static_cast<float>(grid_.cosine(row) * (1.0 + 1e-6));
-    float& farthest = column_farthest_[static_cast<std::size_t>(column)];
+    float& farthest = column_farthest_[column];
     farthest = std::max(farthest, pixel.depth * level);
     lowest_row_ = std::min(lowest_row_, row);
     highest_row_ = std::max(highest_row_, row);
   }
-  farthest_ = *std::max_element(column_farthest_.begin(), column_farthest_.end());
+  farthest_ = column_farthest_.maxCoeff();
   columns_known_ = true;
   if (farthest_ == 0.0F) return;
   for (int c = 0; c < grid_.columns(); ++c) {
     float farthest = 0.0F;
     for (int k = c - kMargin; k <= c + kMargin; ++k) {
-      const int column = grid_.wrapped(k);
-      farthest = std::max(farthest, column_farthest_[static_cast<std::size_t>(column)]);
+      farthest = std::max(farthest, column_farthest_[grid_.wrapped(k)]);
     }
-    neighbours_farthest_[static_cast<std::size_t>(c)] = farthest;
+    neighbours_farthest_[c] = farthest;
   }
 }
 
@@ -142,10 +233,9 @@ void ZBuffer::drawIn(const Window& window, const Solid& solid, const Pose& T_fix
   }
 }
 
-std::optional<ZBuffer::Silhouette> ZBuffer::silhouette(const CuboidMap& map, std::uint32_t cuboid) {
-  if (!canBeCovered()) return std::nullopt;
-  const Cuboid& c = map.cuboids[cuboid];
-  const Eigen::Vector2d centre = map.grid.centre(c.cell) - viewpoint_.head<2>();
+std::optional<ZBuffer::Silhouette> ZBuffer::silhouetteOf(const CuboidMap& map,
+                                                         const Cuboid& cuboid) const {
+  const Eigen::Vector2d centre = map.grid.centre(cuboid.cell) - viewpoint_.head<2>();
   const double half_diagonal = std::sqrt(0.5) * map.grid.config().cell_size_m;
   const double range2 = centre.squaredNorm();
   // As below, without a root for most, and with room for rounding.
@@ -153,38 +243,41 @@ std::optional<ZBuffer::Silhouette> ZBuffer::silhouette(const CuboidMap& map, std
   if (range2 > range_max * range_max) return std::nullopt;
   const double range = std::sqrt(range2);
   Silhouette s{};
-  s.cuboid = cuboid;
+  Window& window = s.window;
   s.near = std::max(range - half_diagonal, 1e-3);
   if (s.near > farthest_) return std::nullopt;
   s.far = range + half_diagonal;
-  s.bottom = map.grid.metres(c.bottom) - viewpoint_.z();
-  s.top = map.grid.metres(c.top) - viewpoint_.z();
-  s.column_end = grid_.columns();
+  s.bottom = map.grid.metres(cuboid.bottom) - viewpoint_.z();
+  s.top = map.grid.metres(cuboid.top) - viewpoint_.z();
+  window.column_end = grid_.columns();
   if (range > half_diagonal) {
     const int middle = grid_.columnOfDirection(centre);
     const bool is_narrow = half_diagonal < range * narrow_sine_;
-    if (is_narrow && neighbours_farthest_[static_cast<std::size_t>(middle)] <= s.near) {
+    if (is_narrow && neighbours_farthest_[middle] <= s.near) {
       return std::nullopt;
     }
     // The tangents from the viewpoint to the circle around the cell.
     const double length = std::sqrt(range * range - half_diagonal * half_diagonal);
     const Eigen::Vector2d across = half_diagonal * Eigen::Vector2d(-centre.y(), centre.x());
     const Eigen::Vector2d right = length * centre - across, left = length * centre + across;
-    s.column_begin = is_narrow ? grid_.columnFrom(middle, right) : grid_.columnOfDirection(right);
-    s.column_end = (is_narrow ? grid_.columnFrom(middle, left) : grid_.columnOfDirection(left)) + 1;
-    if (s.column_end <= s.column_begin) s.column_end += grid_.columns();
+    window.column_begin =
+        is_narrow ? grid_.columnFrom(middle, right) : grid_.columnOfDirection(right);
+    window.column_end =
+        (is_narrow ? grid_.columnFrom(middle, left) : grid_.columnOfDirection(left)) + 1;
+    if (window.column_end <= window.column_begin) window.column_end += grid_.columns();
     if (!reachesBehind(s)) return std::nullopt;
   }
-  s.row_begin = std::max(grid_.rowOfSlope(s.bottom < 0.0 ? s.near : s.far, s.bottom), lowest_row_);
-  s.row_end = std::min(grid_.rowOfSlope(s.top < 0.0 ? s.far : s.near, s.top), highest_row_) + 1;
-  if (s.row_begin >= s.row_end) return std::nullopt;
+  window.row_begin =
+      std::max(grid_.rowOfSlope(s.bottom < 0.0 ? s.near : s.far, s.bottom), lowest_row_);
+  window.row_end =
+      std::min(grid_.rowOfSlope(s.top < 0.0 ? s.far : s.near, s.top), highest_row_) + 1;
+  if (window.row_begin >= window.row_end) return std::nullopt;
   return s;
 }
 
 bool ZBuffer::reachesBehind(const Silhouette& s) const {
-  for (int c = s.column_begin; c < s.column_end; ++c) {
-    const int column = grid_.wrapped(c);
-    if (column_farthest_[static_cast<std::size_t>(column)] > s.near) return true;
+  for (int c = s.window.column_begin; c < s.window.column_end; ++c) {
+    if (column_farthest_[grid_.wrapped(c)] > s.near) return true;
   }
   return false;
 }
@@ -197,13 +290,16 @@ double ZBuffer::depthOf(const Silhouette& s, int row) const {
   return std::clamp(range, s.near, s.far) / grid_.cosine(row);
 }
 
-bool ZBuffer::cover(const Silhouette& s, double margin) {
+bool ZBuffer::cover(const CuboidMap& map, const Cuboid& cuboid, double margin) {
+  if (!canBeCovered()) return false;
+  const auto s = silhouetteOf(map, cuboid);
+  if (!s) return false;
   bool any = false;
   const int columns = grid_.columns();
-  for (int row = s.row_begin; row < s.row_end; ++row) {
-    const auto limit = static_cast<float>(depthOf(s, row) + margin);
+  for (int row = s->window.row_begin; row < s->window.row_end; ++row) {
+    const auto limit = static_cast<float>(depthOf(*s, row) + margin);
     Pixel* pixels = &pixels_[static_cast<std::size_t>(row * grid_.columns())];
-    for (int c = s.column_begin; c < s.column_end; ++c) {
+    for (int c = s->window.column_begin; c < s->window.column_end; ++c) {
       Pixel& pixel = pixels[c < columns ? c : c - columns];
       if (std::isinf(pixel.depth) || pixel.depth <= limit || pixel.seen) continue;
       pixel.covered = true;

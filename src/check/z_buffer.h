@@ -17,15 +17,6 @@ class ZBuffer {
   /// @param resolution edge of a pixel at the horizon [rad].
   explicit ZBuffer(double resolution);
 
-  /// Where a cuboid stands in the picture; the same for all poses of a body.
-  struct Silhouette {
-    std::uint32_t cuboid;
-    int row_begin, row_end;        ///< elevations
-    int column_begin, column_end;  ///< azimuths, not below 0; may run past the last column and wrap
-    double near, far;              ///< horizontal distance [m]
-    double bottom, top;            ///< height above the viewpoint [m]
-  };
-
   struct Pixel {
     float depth;          ///< to the nearest primitive [m]; infinite where there is none
     std::uint32_t shape;  ///< that primitive
@@ -42,36 +33,35 @@ class ZBuffer {
     pixels_[pixel].seen = true;
     columns_known_ = false;
   }
-  /// Covers the pixels not seen that the cuboid lies in front of by more than the margin [m].
-  /// Every pixel the cuboid reaches into counts: scans are sparser than pixels.
+  /// Covers the pixels not seen that a cuboid lies in front of by more than the margin [m]. Every
+  /// pixel it reaches into counts: scans are sparser than pixels.
   /// @return whether it covers any.
-  bool cover(const Silhouette& silhouette, double margin);
+  bool cover(const CuboidMap& map, const Cuboid& cuboid, double margin);
 
   /// Whether there is a pixel that a cuboid could cover.
   [[nodiscard]] bool canBeCovered() {
     if (!columns_known_) findColumns();
     return farthest_ > 0.0F;
   }
-  /// Nothing where the cuboid lies in front of nothing that is drawn and not seen.
-  [[nodiscard]] std::optional<Silhouette> silhouette(const CuboidMap& map, std::uint32_t cuboid);
-
   [[nodiscard]] const DirectionGrid& grid() const { return grid_; }
-  [[nodiscard]] int rows() const { return grid_.rows(); }
-  [[nodiscard]] int columns() const { return grid_.columns(); }
   [[nodiscard]] const Pixel& pixel(int row, int column) const {
     return pixels_[grid_.index(row, column)];
   }
   /// The indices of the pixels that show a primitive.
   [[nodiscard]] const std::vector<std::uint32_t>& drawn() const { return drawn_; }
   [[nodiscard]] const Pixel& pixelAt(std::uint32_t index) const { return pixels_[index]; }
-  /// Solid angle of a pixel, relative to one at the horizon.
-  [[nodiscard]] double weightAt(std::uint32_t index) const {
-    return grid_.cosine(grid_.rowOfPixel(index));
-  }
 
  private:
+  /// Where something may show: elevations, and azimuths, not below 0, that may run past the last
+  /// column and wrap.
   struct Window {
-    int row_begin, row_end, column_begin, column_end;  ///< columns as in Silhouette
+    int row_begin, row_end, column_begin, column_end;
+  };
+  /// Where a cuboid stands in the picture.
+  struct Silhouette {
+    Window window;
+    double near, far;    ///< horizontal distance [m]
+    double bottom, top;  ///< height above the viewpoint [m]
   };
   void findColumns();
   /// A ray at elevation 0.
@@ -84,6 +74,9 @@ class ZBuffer {
   template <typename Solid>
   void drawIn(const Window& window, const Solid& solid, const Pose& T_fixed_shape,
               std::uint32_t index, float depth_min);
+  /// Nothing where the cuboid lies in front of nothing that is drawn and not seen.
+  [[nodiscard]] std::optional<Silhouette> silhouetteOf(const CuboidMap& map,
+                                                       const Cuboid& cuboid) const;
   /// Whether something that is drawn in its columns is further away than its near side.
   [[nodiscard]] bool reachesBehind(const Silhouette& silhouette) const;
   [[nodiscard]] double depthOf(const Silhouette& silhouette, int row) const;
@@ -96,8 +89,8 @@ class ZBuffer {
   std::vector<std::uint32_t> drawn_;
   // Horizontal distance of the farthest that is drawn and not seen, in each column and in all [m];
   // 0 for nothing.
-  std::vector<float> column_farthest_;
-  std::vector<float> neighbours_farthest_;  ///< of a column and some to either side
+  Eigen::ArrayXf column_farthest_;
+  Eigen::ArrayXf neighbours_farthest_;  ///< of a column and some to either side
   bool columns_known_ = false;
   float farthest_ = 0.0F;
   int lowest_row_ = 0;  ///< of all that is drawn and not seen

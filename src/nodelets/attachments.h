@@ -79,7 +79,7 @@ class Attachments {
       message.attached_at = tf2::toMsg(checker_.placeOf(toTime(now), object).pose);
       message.forget_padding = config_.attach_forget_padding_m;
       message.forget_until = now + ros::Duration(config_.attach_forget_s);
-    } catch (const ConfigError& error) {
+    } catch (const std::exception& error) {
       response.message = error.what();
       return true;
     }
@@ -135,11 +135,17 @@ class Attachments {
     publisher_.publish(list_);
   }
 
+  /// What the checker cannot take stays unknown, which stops the robot.
   void settle() {
     for (const auto& object : list_.objects) {
-      if (pending_.count(object.name) > 0) checker_.attach(fromMessage(object));
+      if (pending_.count(object.name) == 0) continue;
+      try {
+        checker_.attach(fromMessage(object));
+        pending_.erase(object.name);
+      } catch (const std::exception& error) {
+        ROS_ERROR_THROTTLE(5.0, "%s: the robot stays stopped until it is detached", error.what());
+      }
     }
-    pending_.clear();
   }
 
   const CheckerConfig& config_;

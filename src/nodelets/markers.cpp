@@ -182,7 +182,7 @@ void addText(const Verdict& verdict, const RobotModel& model, MarkerList& marker
 
 void addBody(const std::string& name, const PoseFindings& findings, const PoseCheck& check,
              const Checker& checker, float alpha, MarkerList& markers) {
-  const auto& [shapes, body] = check.collisionBody();
+  const auto& [shapes, links, body] = check.collisionBody();
   for (std::size_t i = 0; i < body.shapes.size(); ++i) {
     markers.add(name, body.shapes[i], body.poses[i], colorOf(shapes[i], findings, checker, alpha));
   }
@@ -226,13 +226,11 @@ ColorRGBA colorOfAge(double age_s, double too_old_s) {
 void addEvidenceAges(const Checker& checker, MarkerList& markers) {
   const double too_old_s =
       checker.config().evidence.stop_periods * toSeconds(checker.map()->look_period);
-  const auto& [shapes, body] = checker.checkHere().collisionBody();
+  const UsedBody& used = checker.checkHere().collisionBody();
   for (const LinkEvidence& link : checker.evidence().findings().links) {
-    const auto shape = std::find_if(shapes.begin(), shapes.end(), [&](std::size_t s) {
-      return checker.model()->shapes()[s].link == link.link;
-    });
-    if (shape == shapes.end()) continue;
-    const Pose& pose = body.poses[static_cast<std::size_t>(shape - shapes.begin())];
+    const auto first = std::find(used.links.begin(), used.links.end(), link.link);
+    if (first == used.links.end()) continue;
+    const Pose& pose = used.body.poses[static_cast<std::size_t>(first - used.links.begin())];
     char text[16] = "?";
     if (link.age_s) std::snprintf(text, sizeof text, "%.1f s", *link.age_s);
     Marker& marker =
@@ -291,13 +289,13 @@ MarkerArray toMarkers(const BodySample& sample, const std::string& frame) {
 sensor_msgs::Image toImage(const ZBuffer& picture) {
   sensor_msgs::Image image;
   image.encoding = sensor_msgs::image_encodings::RGB8;
-  image.width = static_cast<std::uint32_t>(picture.columns());
-  image.height = static_cast<std::uint32_t>(picture.rows());
+  image.width = static_cast<std::uint32_t>(picture.grid().columns());
+  image.height = static_cast<std::uint32_t>(picture.grid().rows());
   image.step = 3 * image.width;
   image.data.assign(static_cast<std::size_t>(image.step) * image.height, 0);
   std::uint8_t* out = image.data.data();
-  for (int row = picture.rows() - 1; row >= 0; --row) {
-    for (int column = picture.columns() - 1; column >= 0; --column, out += 3) {
+  for (int row = picture.grid().rows() - 1; row >= 0; --row) {
+    for (int column = picture.grid().columns() - 1; column >= 0; --column, out += 3) {
       const ZBuffer::Pixel& pixel = picture.pixel(row, column);
       if (std::isinf(pixel.depth)) continue;
       const auto near =

@@ -31,7 +31,7 @@ class CommandedTrajectoriesTest : public ::testing::Test {
     return trajectory;
   }
   std::string command(const JointTrajectory& trajectory, double now = 100.0) {
-    return commanded_.command(at(now), trajectory, *model_, joints_.positions);
+    return commanded_.command(at(now), trajectory, joints_.positions);
   }
   void followAt(double now, double slide) {
     joints_.positions[slide_] = slide;
@@ -40,7 +40,7 @@ class CommandedTrajectoriesTest : public ::testing::Test {
   /// Where the slide will be.
   double slideAfter(double time_s, double horizon_s = 0.5) {
     std::vector<double> positions;
-    commanded_.makeWay(*model_, joints_, horizon_s, way_);
+    commanded_.makeWay(joints_, horizon_s, way_);
     way_.positionsAt(time_s, positions);
     return positions[slide_];
   }
@@ -48,7 +48,7 @@ class CommandedTrajectoriesTest : public ::testing::Test {
   std::shared_ptr<const RobotModel> model_ = test::sliderModel();
   std::size_t slide_ = 0, glide_ = 0;
   JointSnapshot joints_;
-  CommandedTrajectories commanded_{*model_, {}};
+  CommandedTrajectories commanded_{model_, {}};
   JointPath way_{model_->variables().size()};
 };
 
@@ -127,7 +127,7 @@ TEST_F(CommandedTrajectoriesTest, WhatOneControllerIsToldSaysNothingOfTheOthersJ
 TEST_F(CommandedTrajectoriesTest, JointsThatAreNotNamedGoOnAtTheirVelocities) {
   joints_.velocities[glide_] = 1.0;
   command(along("slide", {0.4}));
-  commanded_.makeWay(*model_, joints_, 0.5, way_);
+  commanded_.makeWay(joints_, 0.5, way_);
   std::vector<double> positions;
   way_.positionsAt(0.5, positions);
   EXPECT_NEAR(positions[glide_], 0.5, 1e-9);
@@ -139,12 +139,12 @@ TEST_F(CommandedTrajectoriesTest,
   command(along("slide", {0.4}));
   command(along("glide", {-0.4}));
   std::vector<double> positions;
-  commanded_.makeWay(*model_, joints_, 0.5, way_);
+  commanded_.makeWay(joints_, 0.5, way_);
   way_.positionsAt(0.5, positions);
   EXPECT_NEAR(positions[slide_], 0.2, 1e-6);
   EXPECT_NEAR(positions[glide_], -0.2, 1e-6);
   command(along("slide", {-0.4}));
-  commanded_.makeWay(*model_, joints_, 0.5, way_);
+  commanded_.makeWay(joints_, 0.5, way_);
   way_.positionsAt(0.5, positions);
   EXPECT_NEAR(positions[slide_], -0.2, 1e-6);
   EXPECT_NEAR(positions[glide_], -0.2, 1e-6);
@@ -174,10 +174,9 @@ TEST_F(CommandedTrajectoriesTest, WhatIsNotUnderstoodIsSaidUntilTheNextOneAndNot
   EXPECT_NE(commanded_.defect(), "");
   EXPECT_EQ(command(along("slide", {0.4})), "");
   EXPECT_EQ(commanded_.defect(), "");
-  EXPECT_NE(commanded_.command(at(101.0), along("slide", {0.4}), *model_, {}), "")
+  EXPECT_NE(commanded_.command(at(101.0), along("slide", {0.4}), {}), "")
       << "where the robot is is not known";
-  EXPECT_EQ(commanded_.command(at(101.0), {}, *model_, {}), "")
-      << "cancelling is always understood";
+  EXPECT_EQ(commanded_.command(at(101.0), {}, {}), "") << "cancelling is always understood";
   EXPECT_EQ(commanded_.defect(), "");
 }
 
@@ -185,7 +184,7 @@ TEST_F(CommandedTrajectoriesTest, MeasuredVelocitiesLeadToTheLimitsAndNoFurther)
   joints_.positions[slide_] = 0.8;
   joints_.velocities[slide_] = 1.0;
   joints_.velocities[glide_] = -0.5;
-  extrapolate(*model_, joints_, 0.5, way_);
+  commanded_.makeMeasuredWay(joints_, 0.5, way_);
   std::vector<double> positions;
   way_.positionsAt(0.1, positions);
   EXPECT_NEAR(positions[slide_], 0.9, 1e-9);
@@ -193,7 +192,7 @@ TEST_F(CommandedTrajectoriesTest, MeasuredVelocitiesLeadToTheLimitsAndNoFurther)
   EXPECT_NEAR(positions[slide_], 1.0, 1e-9);
   EXPECT_NEAR(positions[glide_], -0.15, 1e-9) << "the other one goes on";
   joints_.positions[slide_] = 1.2;
-  extrapolate(*model_, joints_, 0.5, way_);
+  commanded_.makeMeasuredWay(joints_, 0.5, way_);
   way_.positionsAt(0.5, positions);
   EXPECT_NEAR(positions[slide_], 1.2, 1e-9) << "beyond its limit it stays";
 }
@@ -201,7 +200,7 @@ TEST_F(CommandedTrajectoriesTest, MeasuredVelocitiesLeadToTheLimitsAndNoFurther)
 TEST_F(CommandedTrajectoriesTest, ValuesOutOfRangeAreRefused) {
   CommandedTrajectories::Config config;
   config.deviation_max = 0.0;
-  EXPECT_THROW(CommandedTrajectories(*model_, config), ConfigError);
+  EXPECT_THROW(CommandedTrajectories(model_, config), ConfigError);
 }
 
 }  // namespace

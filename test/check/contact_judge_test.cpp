@@ -152,14 +152,14 @@ TEST_F(ContactJudgeTest, WhereTheCheckFailedNothingOfTheOneBeforeStandsIn) {
 }
 
 TEST_F(ContactJudgeTest, AHiddenLinkOnlySlowsDownWhereThatIsConfigured) {
-  config_.occlusion.stops = false;
+  config_.pose.occlusion.stops = false;
   remake();
   feedAndCheck(kStart - 1.0, clear_, 0.6);
   const Verdict& verdict = feedAndCheck(kStart, shelf_, 0.6);
   EXPECT_EQ(verdict.reason, Reason::kOcclusion);
   EXPECT_EQ(verdict.level, Level::kSlow);
   EXPECT_TRUE(verdict.occlusion);
-  EXPECT_NEAR(verdict.speed_scale, config_.occlusion.slow_scale, 1e-9);
+  EXPECT_NEAR(verdict.speed_scale, config_.pose.occlusion.slow_scale, 1e-9);
 }
 
 TEST_F(ContactJudgeTest, ValuesOutOfRangeAreRefused) {

@@ -82,10 +82,34 @@ TEST_F(EvidenceCheckTest, WhereNobodyLookedAllThatALinkGoesThroughIsUnseen) {
   EXPECT_EQ(found.unseen_fraction, 1.0);
   EXPECT_EQ(found.links[0].unseen_fraction, 1.0);
   EXPECT_EQ(found.links[1].new_volume_m3, 0.0) << "it stands still";
-  EXPECT_EQ(found.mostUnseen(), &found.links[0]);
   // Halfway and at the end it is altogether where it is not now.
   EXPECT_NEAR(found.links[0].new_volume_m3, 4.0 / 3.0 * M_PI * std::pow(0.05, 3), 1e-5);
   EXPECT_FALSE(check_.unseenPlaces().empty());
+}
+
+/// Both links go through what nobody saw, one of them further.
+TEST_F(EvidenceCheckTest, TheLinkMostOfWhoseWayIsUnseenIsNamed) {
+  lookEverywhere({});
+  const std::vector<Pose> roots{Pose::Identity()};
+  PoseCheck here(test::checked(model_), 1.5), ahead(here);
+  here.place({0.3, 0.3}, roots);
+  const JointSnapshot joints{at(10.5), at(10.5), {0.3, 0.3}, {0.0, 0.0}};
+  CommandedTrajectories commanded(model_, {});
+  const PoseFindings nothing;
+  const Braking braking;
+  for (const std::size_t further : {0U, 1U}) {
+    std::vector<double> end{0.34, 0.34};
+    end[further] = 0.6;
+    ahead.place(end, roots);
+    Causes causes;
+    check_.judge(
+        {at(10.5), map_, joints, commanded, here, ahead, nothing, nothing, braking, true, 1.0},
+        causes);
+    ASSERT_EQ(causes.size(), 1U);
+    EXPECT_EQ(causes[0].reason, Reason::kUnseenAhead);
+    const bool is_hand = model_->variables()[further].name == "slide";
+    EXPECT_EQ(causes[0].link, is_hand ? "hand" : "other");
+  }
 }
 
 TEST_F(EvidenceCheckTest, WhereAnotherPartOfTheRobotIsNowIsNothingNew) {

@@ -202,6 +202,26 @@ TEST_F(GovernedHand, AnotherThatTakesOverLimitsAsMuch) {
   EXPECT_EQ(allowed(tuned), allowed_mps);
 }
 
+TEST_F(GovernedHand, AfterTimeJumpedBackItIsAsAtTheStart) {
+  run(2.0, 0.4, {0.0, 0.5});
+  governor_->startAnew();
+  GovernedSpeed fresh(model_, config_, {0});
+  now_ = 0.2;
+  x_ = 0.0;
+  scale_ = 0.5;
+  map_.serial = 0;
+  map_.looks.begin(at(0.0), map_.viewpoint);
+  look();
+  bool limited = false;
+  for (; now_ < 0.8; now_ += kStep, x_ += 0.2 * kStep) {
+    const JointSnapshot joints{at(now_), at(now_), {x_, 0.0}, {0.2, 0.0}};
+    const double allowed_mps = limitOf(fresh, joints).allowed_mps;
+    EXPECT_EQ(limitOf(*governor_, joints).allowed_mps, allowed_mps) << now_;
+    limited = limited || fresh.limit().scale < 1.0;
+  }
+  EXPECT_TRUE(limited);
+}
+
 TEST_F(GovernedHand, AtRestNothingIsLimited) { EXPECT_EQ(step(0.0).scale, 1.0); }
 
 TEST_F(GovernedHand, WithoutADistanceItIsNotActive) {

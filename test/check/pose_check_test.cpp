@@ -14,6 +14,8 @@ namespace {
 using test::placedAt;
 
 /// The hand's ball of 50 mm is at (slide, 0, 0.5), the other's at (glide, 0.5, 0.5).
+const std::vector<Pose> kAtOrigin{Pose::Identity()};
+
 class PoseCheckTest : public ::testing::Test {
  protected:
   PoseCheckTest() { map_.viewpoint = Vector3(0.0, 0.0, 1.5); }
@@ -23,7 +25,8 @@ class PoseCheckTest : public ::testing::Test {
     std::vector<double> positions{slide, glide};
     if (model_->variables()[0].name == "glide") std::swap(positions[0], positions[1]);
     PoseFindings findings;
-    check.check(map_, test::postureOf(model_, positions, {T_fixed_root}), findings);
+    check.place(positions, {T_fixed_root});
+    check.check(map_, findings);
     return findings;
   }
   /// A post at x from 0.8 m on, 0.4 m wide.
@@ -126,10 +129,12 @@ TEST_F(PoseCheckTest, FindingsAreMadeAnewAtEveryCheck) {
   addShelf(0.5);
   PoseCheck check(test::checked(model_, config_), 1.5);
   PoseFindings findings;
-  check.check(map_, test::postureOf(model_, {0.8, 0.8}), findings);
+  check.place({0.8, 0.8}, kAtOrigin);
+  check.check(map_, findings);
   ASSERT_TRUE(findings.collision);
   ASSERT_TRUE(findings.occlusion);
-  check.check(test::emptyMap(), test::postureOf(model_, {0.8, 0.8}), findings);
+  check.place({0.8, 0.8}, kAtOrigin);
+  check.check(test::emptyMap(), findings);
   EXPECT_FALSE(findings.collision);
   EXPECT_FALSE(findings.occlusion);
   EXPECT_TRUE(findings.contacts.empty());
@@ -139,7 +144,8 @@ TEST_F(PoseCheckTest, FindingsAreMadeAnewAtEveryCheck) {
 TEST_F(PoseCheckTest, TheCheckedBodyCanBeShown) {
   PoseCheck check(test::checked(model_, config_), 1.5);
   PoseFindings findings;
-  check.check(map_, test::postureOf(model_, {0.3, 0.3}), findings);
+  check.place({0.3, 0.3}, kAtOrigin);
+  check.check(map_, findings);
   ASSERT_EQ(check.collisionBody().body.shapes.size(), 2U);
   EXPECT_NEAR(std::get<Sphere>(check.collisionBody().body.shapes[0]).radius, 0.08, 1e-12);
   EXPECT_TRUE(test::isNearly(Vector3(check.collisionBody().body.poses[0].translation()),

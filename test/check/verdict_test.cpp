@@ -26,6 +26,16 @@ TEST(VerdictTest, EveryReasonHasANameOfItsOwnInCapitals) {
   }
 }
 
+TEST(VerdictTest, NamesAreThoseOfTheirReasons) {
+  EXPECT_STREQ(name(Reason::kClear), "CLEAR");
+  EXPECT_STREQ(name(Reason::kUnseenAhead), "UNSEEN_AHEAD");
+  EXPECT_STREQ(name(Reason::kInit), "INIT");
+  EXPECT_STREQ(name(Reason::kCollision), "COLLISION");
+  EXPECT_STREQ(name(Reason::kMapLate), "MAP_LATE");
+  EXPECT_STREQ(name(Reason::kFuture), "FUTURE_STAMP");
+  EXPECT_STREQ(name(Reason::kBadQuestion), "BAD_QUESTION");
+}
+
 TEST(VerdictTest, OnlyClearIsOk) {
   for (const Reason reason : allReasons()) {
     EXPECT_EQ(levelOf(reason) == Level::kOk, reason == Reason::kClear) << name(reason);

@@ -137,7 +137,7 @@ void expectWhatManyPosesFind(double step_m, double share, unsigned seed, int sce
     const CuboidMap map = test::randomMap(random, smallGrid(), share);
     const JointPath path = randomWay(*model, random);
     Walker walker(model, path);
-    const auto found = check.firstContact(map, path, path.begin(), path.end(), kAtOrigin);
+    const auto found = check.firstContact({map, path, kAtOrigin}, path.begin(), path.end());
     const auto deep = walker.firstOverlap(map, kPoses, kGrown - 0.5 * step_m);
     if (found) {
       const double found_s = path.begin() + found->time_s;
@@ -195,7 +195,7 @@ TEST(WayCheckByManyPosesTest, OfTheDualArmRobotItFindsWhatManyPosesFind) {
     for (double& position : positions) position += random.uniform(-0.5, 0.5);
     path.add(0.5, positions);
     Walker walker(model, path);
-    const auto found = check.firstContact(map, path, 0.0, 0.5, kAtOrigin);
+    const auto found = check.firstContact({map, path, kAtOrigin}, 0.0, 0.5);
     most_poses = std::max(most_poses, check.poses());
     const auto deep = walker.firstOverlap(map, kPoses, 0.01);
     if (deep) {

@@ -55,7 +55,7 @@ class WayCheckTest : public ::testing::Test {
     return path;
   }
   std::optional<WayContact> first(const JointPath& path) {
-    return check_.firstContact(map_, path, path.begin(), path.end(), kAtOrigin);
+    return check_.firstContact({map_, path, kAtOrigin}, path.begin(), path.end());
   }
   /// A wall across the way of one of the balls.
   void addWall(double x, double y) {
@@ -95,9 +95,9 @@ TEST_F(WayCheckTest, TheFirstContactHasItsTimeDistanceShapeAndCuboid) {
 TEST_F(WayCheckTest, OnlyTheStretchAskedForIsLookedAt) {
   addWall(0.5, 0.0);
   const JointPath path = way({{0.0, 0.0, 0.0}, {1.0, 1.0, 0.0}});
-  EXPECT_FALSE(check_.firstContact(map_, path, 0.0, 0.40, kAtOrigin));
-  EXPECT_FALSE(check_.firstContact(map_, path, 0.70, 1.0, kAtOrigin)) << "beyond it";
-  const auto found = check_.firstContact(map_, path, 0.3, 0.6, kAtOrigin);
+  EXPECT_FALSE(check_.firstContact({map_, path, kAtOrigin}, 0.0, 0.40));
+  EXPECT_FALSE(check_.firstContact({map_, path, kAtOrigin}, 0.70, 1.0)) << "beyond it";
+  const auto found = check_.firstContact({map_, path, kAtOrigin}, 0.3, 0.6);
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->time_s, 0.41 - 0.3, 0.5 * kStep + kRounding);
   EXPECT_NEAR(found->distance_m, 0.41 - 0.3, 0.02) << "from where the stretch begins";
@@ -118,9 +118,9 @@ TEST_F(WayCheckTest, BothEndsBelongToIt) {
 TEST_F(WayCheckTest, ABeginThatIsKnownToBeFreeIsNotLookedAt) {
   addWall(0.5, 0.0);
   const JointPath path = way({{0.0, 0.411, 0.0}, {1.0, 0.0, 0.0}});
-  EXPECT_FALSE(check_.firstContact(map_, path, 0.0, 1.0, kAtOrigin, false));
-  EXPECT_FALSE(check_.firstContact(map_, path, 0.0, 0.0, kAtOrigin, false));
-  EXPECT_TRUE(check_.firstContact(map_, path, 0.0, 0.0, kAtOrigin, true));
+  EXPECT_FALSE(check_.firstContact({map_, path, kAtOrigin}, 0.0, 1.0, false));
+  EXPECT_FALSE(check_.firstContact({map_, path, kAtOrigin}, 0.0, 0.0, false));
+  EXPECT_TRUE(check_.firstContact({map_, path, kAtOrigin}, 0.0, 0.0, true));
 }
 
 TEST_F(WayCheckTest, OfTwoObstaclesTheFirstOnTheWayIsFound) {
@@ -168,7 +168,7 @@ TEST_F(WayCheckTest, TheRootsPoseMovesTheWholeRobot) {
   addWall(0.5, 0.0);
   const JointPath path = way({{0.0, 0.0, 0.0}, {1.0, 0.2, 0.0}});
   EXPECT_FALSE(first(path));
-  EXPECT_TRUE(check_.firstContact(map_, path, 0.0, 1.0, {test::placedAt(0.3, 0.0, 0.0)}));
+  EXPECT_TRUE(check_.firstContact({map_, path, {test::placedAt(0.3, 0.0, 0.0)}}, 0.0, 1.0));
 }
 
 TEST_F(WayCheckTest, ACuboidWithoutSupportIsNoObstacle) {
@@ -176,7 +176,7 @@ TEST_F(WayCheckTest, ACuboidWithoutSupportIsNoObstacle) {
   const JointPath path = way({{0.0, 0.0, 0.0}, {1.0, 0.9, 0.0}});
   EXPECT_TRUE(first(path));
   WayCheck supported(test::checked(model_, LinkUse({1.0, kPadding}), {}), kStep, 0.1);
-  EXPECT_FALSE(supported.firstContact(map_, path, 0.0, 1.0, kAtOrigin));
+  EXPECT_FALSE(supported.firstContact({map_, path, kAtOrigin}, 0.0, 1.0));
 }
 
 /// The region takes in the whole wall of the hand.
@@ -188,18 +188,19 @@ TEST_F(WayCheckTest, WhatLiesInARegionThatALinkMayTouchIsNoContactOfThatLink) {
   addWall(0.5, 0.0);
   const JointPath path = way({{0.0, 0.0, 0.0}, {1.0, 0.9, 0.0}});
   ExemptRegions regions(2);
-  const auto index = static_cast<std::size_t>(model_->linkOf(check_.shapes()[0]) == "hand" ? 0 : 1);
+  const auto index =
+      static_cast<std::size_t>(model_->linkOf(robot_->collision_body.shapes[0]) == "hand" ? 0 : 1);
   regions[index] = {wallRegion(0.21)};
-  robot_->exempt(regions);
+  robot_->collision.exempt(regions);
   EXPECT_FALSE(first(path));
   regions[index] = {wallRegion(0.1)};
-  robot_->exempt(regions);
+  robot_->collision.exempt(regions);
   EXPECT_TRUE(first(path)) << "part of the wall is outside, and the ball is as wide as it";
   regions[index] = {};
   regions[1 - index] = {wallRegion(0.21)};
-  robot_->exempt(regions);
+  robot_->collision.exempt(regions);
   EXPECT_TRUE(first(path)) << "it is the other link that may touch it";
-  robot_->exempt({});
+  robot_->collision.exempt({});
   EXPECT_TRUE(first(path));
 }
 
@@ -210,8 +211,8 @@ TEST_F(WayCheckTest, AMarginForItsSpeedMakesALinkLarger) {
     WayCheck check = wayCheck(model_, kPadding, kStep, most_m);
     CuboidMap map = test::emptyMap();
     addBlock(map, {Vector3(0.0, y, 0.3), Vector3(1.0, y + 0.1, 0.7)});
-    check.setMargins(path, 0.0, 1.0, kAtOrigin, per_speed_s);
-    return check.firstContact(map, path, 0.0, 1.0, kAtOrigin).has_value();
+    check.setMargins({map_, path, kAtOrigin}, 0.0, 1.0, per_speed_s);
+    return check.firstContact({map, path, kAtOrigin}, 0.0, 1.0).has_value();
   };
   EXPECT_TRUE(touches(0.12, 0.1)) << "0.4 m/s for 0.1 s are 40 mm";
   EXPECT_FALSE(touches(0.14, 0.1));
@@ -227,7 +228,7 @@ TEST_F(WayCheckTest, MarginsLastUntilTheyAreClearedAndSpeedsBeyond) {
   const JointPath path = way({{0.0, 0.0, 0.0}, {1.0, 0.4, 0.0}});
   addBlock(map_, {Vector3(0.0, 0.12, 0.3), Vector3(1.0, 0.22, 0.7)});
   EXPECT_FALSE(first(path));
-  check_.setMargins(path, 0.0, 1.0, kAtOrigin, 0.1);
+  check_.setMargins({map_, path, kAtOrigin}, 0.0, 1.0, 0.1);
   const auto by_margin = first(path);
   ASSERT_TRUE(by_margin);
   EXPECT_NEAR(by_margin->link_speed_mps, 0.4, kRounding);
@@ -244,9 +245,9 @@ TEST_F(WayCheckTest, MarginsLastUntilTheyAreClearedAndSpeedsBeyond) {
 TEST_F(WayCheckTest, TheFastestQuarterOfTheWayCounts) {
   addWall(0.9, 0.0);
   const JointPath path = way({{0.0, 0.0, 0.0}, {0.25, 0.1, 0.0}, {0.5, 0.5, 0.0}, {1.0, 1.0, 0.0}});
-  check_.setMargins(path, 0.0, 1.0, kAtOrigin, 0.01);
+  check_.setMargins({map_, path, kAtOrigin}, 0.0, 1.0, 0.01);
   EXPECT_NEAR(first(path)->link_speed_mps, 1.6, kRounding);
-  check_.setMargins(path, 0.5, 1.0, kAtOrigin, 0.01);
+  check_.setMargins({map_, path, kAtOrigin}, 0.5, 1.0, 0.01);
   EXPECT_NEAR(first(path)->link_speed_mps, 1.0, kRounding);
 }
 
@@ -261,8 +262,8 @@ TEST_F(WayCheckTest, WhatTurnsIsAsFastAsItsOutermostPoint) {
   path.add(0.5, {0.5});
   addBlock(map_, {Vector3(0.6, 0.3, 0.3), Vector3(0.7, 0.4, 0.7)});
   addBlock(map_, {Vector3(0.8, -0.4, 0.3), Vector3(1.4, 0.4, 0.7)});
-  check.setMargins(path, 0.0, 0.5, kAtOrigin, 0.0);
-  const auto found = check.firstContact(map_, path, 0.0, 0.5, kAtOrigin);
+  check.setMargins({map_, path, kAtOrigin}, 0.0, 0.5, 0.0);
+  const auto found = check.firstContact({map_, path, kAtOrigin}, 0.0, 0.5);
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->link_speed_mps, std::sqrt(0.4 * 0.4 + 2 * 0.05 * 0.05), 1e-6)
       << "1 rad/s, a corner's distance from its middle";
@@ -271,9 +272,9 @@ TEST_F(WayCheckTest, WhatTurnsIsAsFastAsItsOutermostPoint) {
 TEST_F(WayCheckTest, ARobotAtRestHasNoMargin) {
   const JointPath path = way({{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}});
   addBlock(map_, {Vector3(0.0, 0.10, 0.3), Vector3(1.0, 0.2, 0.7)});
-  check_.setMargins(path, 0.0, 1.0, kAtOrigin, 10.0);
+  check_.setMargins({map_, path, kAtOrigin}, 0.0, 1.0, 10.0);
   EXPECT_FALSE(first(path));
-  check_.setMargins(path, 0.5, 0.5, kAtOrigin, 10.0);
+  check_.setMargins({map_, path, kAtOrigin}, 0.5, 0.5, 10.0);
   EXPECT_FALSE(first(path)) << "no time, no speed";
   addWall(0.0, 0.0);
   EXPECT_EQ(first(path)->link_speed_mps, 0.0);
@@ -316,7 +317,8 @@ class ThinWallTest : public test::CheckerFixture {
   [[nodiscard]] PoseFindings pose(double slide) const {
     PoseCheck check(test::checked(model_, config_.pose), 1.5);
     PoseFindings findings;
-    check.check(wall_, test::postureOf(model_, {slide}), findings);
+    check.place({slide}, kAtOrigin);
+    check.check(wall_, findings);
     return findings;
   }
 
@@ -331,7 +333,7 @@ TEST_F(ThinWallTest, IsMissedByACheckOfBothPosesAndFoundOnTheWayBetweenThem) {
   JointPath path(1);
   path.add(0.0, {kFrom});
   path.add(0.5, {kTo});
-  const auto found = way.firstContact(wall_, path, 0.0, 0.5, kAtOrigin);
+  const auto found = way.firstContact({wall_, path, kAtOrigin}, 0.0, 0.5);
   ASSERT_TRUE(found);
   EXPECT_EQ(model_->linkOf(found->contact.shape), "hand");
   EXPECT_NEAR(wall_.box(wall_.cuboids[found->contact.cuboid]).center().x(), 0.605, 0.0101);

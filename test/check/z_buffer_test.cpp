@@ -17,8 +17,8 @@ constexpr double kResolution = 0.035;
 const Vector3 kOrigin = Vector3::Zero();
 
 Vector3 directionOf(const ZBuffer& buffer, int row, int column) {
-  const double elevation = (row + 0.5) * M_PI / buffer.rows() - 0.5 * M_PI;
-  const double azimuth = (column + 0.5) * 2.0 * M_PI / buffer.columns() - M_PI;
+  const double elevation = (row + 0.5) * M_PI / buffer.grid().rows() - 0.5 * M_PI;
+  const double azimuth = (column + 0.5) * 2.0 * M_PI / buffer.grid().columns() - M_PI;
   return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
           std::sin(elevation)};
 }
@@ -26,8 +26,9 @@ Vector3 directionOf(const ZBuffer& buffer, int row, int column) {
 /// [sr]
 double solidAngle(const ZBuffer& buffer) {
   double pixels = 0.0;
-  for (const std::uint32_t at : buffer.drawn()) pixels += buffer.weightAt(at);
-  return pixels * std::pow(M_PI / buffer.rows(), 2);
+  for (const std::uint32_t at : buffer.drawn())
+    pixels += buffer.grid().cosine(buffer.grid().rowOfPixel(at));
+  return pixels * std::pow(M_PI / buffer.grid().rows(), 2);
 }
 
 /// Of a ball as seen from outside [sr].
@@ -38,8 +39,8 @@ double solidAngleOfBall(double radius, double range) {
 TEST(ZBufferTest, PixelsAreNoLargerThanAskedAndFillTheSphere) {
   for (const double resolution : {0.002, 0.017, 0.035, 0.2}) {
     const ZBuffer buffer(resolution);
-    EXPECT_LE(M_PI / buffer.rows(), resolution * (1.0 + 1e-12));
-    EXPECT_EQ(buffer.columns(), 2 * buffer.rows());
+    EXPECT_LE(M_PI / buffer.grid().rows(), resolution * (1.0 + 1e-12));
+    EXPECT_EQ(buffer.grid().columns(), 2 * buffer.grid().rows());
   }
 }
 
@@ -75,8 +76,8 @@ TEST(ZBufferTest, EveryPixelShowsWhatItsRayMeetsFirst) {
       }
       buffer.draw(body.shapes[i], body.poses[i], i);
     }
-    for (int row = 0; row < buffer.rows(); ++row) {
-      for (int column = 0; column < buffer.columns(); ++column) {
+    for (int row = 0; row < buffer.grid().rows(); ++row) {
+      for (int column = 0; column < buffer.grid().columns(); ++column) {
         const Ray ray{viewpoint, directionOf(buffer, row, column)};
         double nearest = std::numeric_limits<double>::infinity();
         for (std::size_t i = 0; i < body.shapes.size(); ++i) {
@@ -133,8 +134,8 @@ TEST(ZBufferTest, BeginEmptiesThePicture) {
   buffer.draw(Sphere{0.2}, placedAt(1, 0, 0), 0);
   buffer.begin(kOrigin);
   EXPECT_TRUE(buffer.drawn().empty());
-  for (int row = 0; row < buffer.rows(); ++row) {
-    for (int column = 0; column < buffer.columns(); ++column) {
+  for (int row = 0; row < buffer.grid().rows(); ++row) {
+    for (int column = 0; column < buffer.grid().columns(); ++column) {
       EXPECT_TRUE(std::isinf(buffer.pixel(row, column).depth));
     }
   }
@@ -156,17 +157,21 @@ CuboidMap mapWith(const Vector3& place, double height) {
   return map;
 }
 
-TEST(ZBufferTest, ACuboidBehindOrBesideAllThatIsDrawnHasNoSilhouette) {
+bool covers(ZBuffer& buffer, const CuboidMap& map) {
+  return buffer.cover(map, map.cuboids[0], 0.05);
+}
+
+TEST(ZBufferTest, ACuboidBehindOrBesideAllThatIsDrawnCoversNothing) {
   ZBuffer buffer(kResolution);
   buffer.begin(kOrigin);
-  EXPECT_FALSE(buffer.silhouette(mapWith({0.5, 0, 0}, 0.1), 0)) << "nothing is drawn";
+  EXPECT_FALSE(covers(buffer, mapWith({0.5, 0, 0}, 0.1))) << "nothing is drawn";
   buffer.draw(Sphere{0.2}, placedAt(1, 0, 0), 0);
-  EXPECT_TRUE(buffer.silhouette(mapWith({0.5, 0, 0}, 0.1), 0));
-  EXPECT_FALSE(buffer.silhouette(mapWith({1.6, 0, 0}, 0.1), 0)) << "behind";
-  EXPECT_FALSE(buffer.silhouette(mapWith({-0.5, 0, 0}, 0.1), 0)) << "the other way";
-  EXPECT_FALSE(buffer.silhouette(mapWith({0.5, 0.5, 0}, 0.1), 0)) << "to the left";
-  EXPECT_FALSE(buffer.silhouette(mapWith({0.5, 0, 0.6}, 0.1), 0)) << "above";
-  EXPECT_FALSE(buffer.silhouette(mapWith({0.5, 0, -0.6}, 0.1), 0)) << "below";
+  EXPECT_TRUE(covers(buffer, mapWith({0.5, 0, 0}, 0.1)));
+  EXPECT_FALSE(covers(buffer, mapWith({1.6, 0, 0}, 0.1))) << "behind";
+  EXPECT_FALSE(covers(buffer, mapWith({-0.5, 0, 0}, 0.1))) << "the other way";
+  EXPECT_FALSE(covers(buffer, mapWith({0.5, 0.5, 0}, 0.1))) << "to the left";
+  EXPECT_FALSE(covers(buffer, mapWith({0.5, 0, 0.6}, 0.1))) << "above";
+  EXPECT_FALSE(covers(buffer, mapWith({0.5, 0, -0.6}, 0.1))) << "below";
 }
 
 /// Wherever a pixel's ray meets the cuboid in front of what is drawn, the pixel is covered.
@@ -189,13 +194,12 @@ TEST(ZBufferTest, CoversEveryPixelWhoseRayMeetsTheCuboidInFront) {
                     bottom + random.uniform(0.02, 1.0));
     const UprightBox box = map.box(map.cuboids[0]);
     if (box.exteriorDistance(viewpoint) < 1e-3) continue;
-    const auto silhouette = buffer.silhouette(map, 0);
-    if (silhouette) buffer.cover(*silhouette, kMargin);
+    buffer.cover(map, map.cuboids[0], kMargin);
     Pose T_fixed_box = Pose::Identity();
     T_fixed_box.translation() = box.center();
     for (const std::uint32_t at : buffer.drawn()) {
-      const int row = static_cast<int>(at) / buffer.columns();
-      const int column = static_cast<int>(at) % buffer.columns();
+      const int row = static_cast<int>(at) / buffer.grid().columns();
+      const int column = static_cast<int>(at) % buffer.grid().columns();
       const Ray ray{viewpoint, directionOf(buffer, row, column)};
       const auto span = intersect(Box{0.5 * box.sizes()}, transformed(ray, T_fixed_box.inverse()));
       const auto& pixel = buffer.pixelAt(at);
@@ -214,15 +218,11 @@ TEST(ZBufferTest, ACuboidAtTheSeamCoversBothEndsOfThePicture) {
   const CuboidMap map = mapWith({-0.5, 0.0, 0.0}, 0.5);
   CuboidMap both = map;
   test::addCuboid(both, *map.grid.cellOf({-0.5, -0.01, 0.0}), -0.25, 0.25);
-  for (std::uint32_t k = 0; k < both.cuboids.size(); ++k) {
-    const auto silhouette = buffer.silhouette(both, k);
-    ASSERT_TRUE(silhouette);
-    EXPECT_TRUE(buffer.cover(*silhouette, 0.05));
-  }
-  const int middle = buffer.rows() / 2;
+  for (const Cuboid& cuboid : both.cuboids) EXPECT_TRUE(buffer.cover(both, cuboid, 0.05));
+  const int middle = buffer.grid().rows() / 2;
   EXPECT_TRUE(buffer.pixel(middle, 0).covered);
-  EXPECT_TRUE(buffer.pixel(middle, buffer.columns() - 1).covered);
-  EXPECT_FALSE(buffer.pixel(middle, buffer.columns() / 2).covered);
+  EXPECT_TRUE(buffer.pixel(middle, buffer.grid().columns() - 1).covered);
+  EXPECT_FALSE(buffer.pixel(middle, buffer.grid().columns() / 2).covered);
 }
 
 TEST(ZBufferTest, ACuboidRightBelowCoversWhatLiesUnderIt) {
@@ -231,10 +231,8 @@ TEST(ZBufferTest, ACuboidRightBelowCoversWhatLiesUnderIt) {
   buffer.begin(viewpoint);
   buffer.draw(Sphere{0.2}, placedAt(0.025, 0.025, -1.5), 0);
   const CuboidMap map = mapWith({0.025, 0.025, -0.5}, 0.1);
-  const auto silhouette = buffer.silhouette(map, 0);
-  ASSERT_TRUE(silhouette);
-  EXPECT_TRUE(buffer.cover(*silhouette, 0.05));
-  for (int column = 0; column < buffer.columns(); ++column) {
+  EXPECT_TRUE(covers(buffer, map));
+  for (int column = 0; column < buffer.grid().columns(); ++column) {
     EXPECT_TRUE(buffer.pixel(0, column).covered) << column;
   }
 }

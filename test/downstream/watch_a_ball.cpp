@@ -20,8 +20,8 @@ int main() {
     tccm::LaserScan scan{now, -0.5, 0.01, tccm::Duration(0), 0.05, 4.0, {}};
     tccm::Pose T_fixed_sensor = tccm::Pose::Identity();
     T_fixed_sensor.translation().z() = 1.0;
-    T_fixed_sensor.rotate(Eigen::AngleAxisd(0.65 + 0.25 * std::sin(2.0 * M_PI * seconds),
-                                            tccm::Vector3::UnitY()));
+    T_fixed_sensor.rotate(
+        Eigen::AngleAxisd(0.65 + 0.25 * std::sin(2.0 * M_PI * seconds), tccm::Vector3::UnitY()));
     for (double angle = -0.5; angle <= 0.5; angle += 0.01) {
       const tccm::Vector3 beam(std::cos(angle), std::sin(angle), 0.0);
       scan.ranges.push_back(static_cast<float>(-0.6 / (T_fixed_sensor.linear() * beam).z()));

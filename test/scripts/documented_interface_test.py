@@ -68,7 +68,7 @@ def programs():
 
 
 def reasons():
-    return set(re.findall(r'return "([A-Z_]+)"', sources("src/check/verdict.cpp"))) - {"UNKNOWN"}
+    return set(re.findall(r'"([A-Z_]+)"', sources("src/check/verdict.cpp"))) - {"UNKNOWN"}
 
 
 def pages():

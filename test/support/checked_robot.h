@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "check/checked_robot.h"
+#include "check/pose_check.h"
 
 namespace tccm::test {
 
@@ -21,12 +21,6 @@ inline std::shared_ptr<CheckedRobot> checked(const std::shared_ptr<const RobotMo
   config.collision_use = use;
   config.collision = collision;
   return checked(model, config);
-}
-
-inline Posture postureOf(const std::shared_ptr<const RobotModel>& model,
-                         const std::vector<double>& positions,
-                         const std::vector<Pose>& T_fixed_roots = {Pose::Identity()}) {
-  return Kinematics(model).update(positions, T_fixed_roots);
 }
 
 /// As lists, for tests.

@@ -1,7 +1,6 @@
-#include "check/moving_out.h"
-
 #include <gtest/gtest.h>
 
+#include "check/contact_judge.h"
 #include "simulation/robot/dual_arm.h"
 #include "support/checked_robot.h"
 #include "support/checker_fixture.h"
@@ -49,14 +48,14 @@ class MovingOutTest : public ::testing::Test {
       way.add(time_s, at(places[i].slide, places[i].glide));
     }
     const auto robot = test::checked(model_, config_);
-    robot->exempt(exempt_);
+    robot->collision.exempt(exempt_);
     PoseFindings findings;
-    PoseCheck(robot, 1.5)
-        .check(map_, test::postureOf(model_, at(places.front().slide, places.front().glide)),
-               findings);
+    PoseCheck pose(robot, 1.5);
+    pose.place(at(places.front().slide, places.front().glide), kAtOrigin);
+    pose.check(map_, findings);
     contacts_ = findings.contacts.size();
     MovingOut moving_out(robot);
-    return moving_out.opens(map_, findings.contacts, way, until_s, kAtOrigin, must_open);
+    return moving_out.opens({map_, way, kAtOrigin}, findings.contacts, until_s, must_open);
   }
 
   std::shared_ptr<const RobotModel> model_ = test::sliderModel();
@@ -199,9 +198,10 @@ TEST_F(MovingOutTest, AJumpIsNoWayOut) {
   way.add(0.5, at(0.60, 0.0));
   PoseCheck pose(test::checked(model_, config_), 1.5);
   PoseFindings findings;
-  pose.check(map_, test::postureOf(model_, at(0.75, 0.0)), findings);
+  pose.place(at(0.75, 0.0), kAtOrigin);
+  pose.check(map_, findings);
   EXPECT_FALSE(MovingOut(test::checked(model_, config_))
-                   .opens(map_, findings.contacts, way, 0.5, kAtOrigin, true));
+                   .opens({map_, way, kAtOrigin}, findings.contacts, 0.5, true));
 }
 
 TEST_F(MovingOutTest, WhereNotAllContactsAreKnownNothingIsSaid) {
@@ -266,10 +266,11 @@ TEST_F(MovingOutTest, ACapsuleIsJudgedByItsAxis) {
     way.add(0.5, {to});
     PoseCheck pose(test::checked(model, config_), 1.5);
     PoseFindings findings;
-    pose.check(map_, test::postureOf(model, {0.0}), findings);
+    pose.place({0.0}, kAtOrigin);
+    pose.check(map_, findings);
     EXPECT_TRUE(findings.collision);
     MovingOut moving_out(test::checked(model, config_));
-    return moving_out.opens(map_, findings.contacts, way, 0.5, kAtOrigin, false);
+    return moving_out.opens({map_, way, kAtOrigin}, findings.contacts, 0.5, false);
   };
   EXPECT_TRUE(turns(-0.1));
   EXPECT_FALSE(turns(0.1));

@@ -1,11 +1,10 @@
-#include "check/clearance_check.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "check/pose_check.h"
 #include "geometry/distance.h"
 #include "simulation/robot/dual_arm.h"
 #include "support/checked_robot.h"
@@ -24,6 +23,7 @@ using test::Random;
 constexpr double kRounding = 1e-9;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRadius = 0.2;
+constexpr double kPeriods = 1.5;
 
 const std::vector<Pose> kAtOrigin{Pose::Identity()};
 
@@ -34,7 +34,7 @@ CollisionCheck::Config everyCuboid() {
 }
 
 /// The slider robot: balls of 50 mm at (slide, 0, 0.5) and (glide, 0.5, 0.5).
-class ClearanceCheckTest : public ::testing::Test {
+class PoseCheckClearanceTest : public ::testing::Test {
  protected:
   [[nodiscard]] std::vector<double> at(double slide, double glide) const {
     std::vector<double> positions(2);
@@ -42,13 +42,14 @@ class ClearanceCheckTest : public ::testing::Test {
     positions[simulation::variableIndex(*model_, "glide")] = glide;
     return positions;
   }
-  /// Of both links; least() has to say the same.
+  /// Of both links; leastClearance() has to say the same.
   void look(double slide, double glide, double radius_m = kRadius) {
-    ClearanceCheck check(test::checked(model_, use_, collision_), radius_m);
-    result_ = check.find(map_, test::postureOf(model_, at(slide, glide)));
+    PoseCheck check(test::checked(model_, use_, collision_), kPeriods);
+    check.place(at(slide, glide), kAtOrigin);
+    result_ = check.findClearances(map_, radius_m);
     double least = kInfinity;
     for (const LinkClearance& entry : result_) least = std::min(least, entry.distance_m);
-    EXPECT_EQ(check.least(map_, test::postureOf(model_, at(slide, glide))), least);
+    EXPECT_EQ(check.leastClearance(map_, radius_m), least);
   }
   [[nodiscard]] const LinkClearance& of(const std::string& link) const {
     for (const LinkClearance& entry : result_) {
@@ -72,7 +73,7 @@ class ClearanceCheckTest : public ::testing::Test {
   std::vector<LinkClearance> result_;
 };
 
-TEST_F(ClearanceCheckTest, IsTheDistanceOfThePrimitiveWithoutPadding) {
+TEST_F(PoseCheckClearanceTest, IsTheDistanceOfThePrimitiveWithoutPadding) {
   addWall(0.8, 0.0);
   EXPECT_NEAR(hand(0.6), 0.15, kRounding);
   EXPECT_NEAR(hand(0.7), 0.05, kRounding);
@@ -80,13 +81,13 @@ TEST_F(ClearanceCheckTest, IsTheDistanceOfThePrimitiveWithoutPadding) {
   EXPECT_NEAR(hand(1.0), 0.05, kRounding) << "on the far side";
 }
 
-TEST_F(ClearanceCheckTest, InContactItIsZero) {
+TEST_F(PoseCheckClearanceTest, InContactItIsZero) {
   addWall(0.8, 0.0);
   EXPECT_EQ(hand(0.751), 0.0);
   EXPECT_EQ(hand(0.85), 0.0) << "altogether inside";
 }
 
-TEST_F(ClearanceCheckTest, BeyondTheRadiusItIsInfinite) {
+TEST_F(PoseCheckClearanceTest, BeyondTheRadiusItIsInfinite) {
   addWall(0.8, 0.0);
   EXPECT_NEAR(hand(0.551), 0.199, kRounding);
   EXPECT_EQ(hand(0.549), kInfinity);
@@ -98,13 +99,13 @@ TEST_F(ClearanceCheckTest, BeyondTheRadiusItIsInfinite) {
 }
 
 /// 30 mm along each of two axes, or of three.
-TEST_F(ClearanceCheckTest, ToEdgesAndCornersItIsStraight) {
+TEST_F(PoseCheckClearanceTest, ToEdgesAndCornersItIsStraight) {
   addBlock(map_, {Vector3(0.8, 0.08, 0.58), Vector3(0.82, 0.1, 0.6)});
   EXPECT_NEAR(hand(0.72), std::sqrt(3.0) * 0.08 - 0.05, kRounding);
   EXPECT_NEAR(hand(0.81), std::sqrt(2.0) * 0.08 - 0.05, kRounding);
 }
 
-TEST_F(ClearanceCheckTest, TheNearestCuboidIsNamed) {
+TEST_F(PoseCheckClearanceTest, TheNearestCuboidIsNamed) {
   addWall(0.8, 0.0);
   addBlock(map_, {Vector3(0.6, -0.1, 0.62), Vector3(0.62, -0.08, 0.7)});
   look(0.7, 9.0);
@@ -114,7 +115,7 @@ TEST_F(ClearanceCheckTest, TheNearestCuboidIsNamed) {
               kRounding);
 }
 
-TEST_F(ClearanceCheckTest, EveryLinkHasItsOwn) {
+TEST_F(PoseCheckClearanceTest, EveryLinkHasItsOwn) {
   addWall(0.8, 0.0);
   addWall(0.4, 0.5);
   look(0.7, 0.32);
@@ -126,18 +127,21 @@ TEST_F(ClearanceCheckTest, EveryLinkHasItsOwn) {
   EXPECT_EQ(of("other").distance_m, kInfinity);
 }
 
-TEST_F(ClearanceCheckTest, NothingIsLeftOfTheCallBefore) {
+TEST_F(PoseCheckClearanceTest, NothingIsLeftOfTheCallBefore) {
   addWall(0.8, 0.0);
-  ClearanceCheck check(test::checked(model_, use_, collision_), kRadius);
-  result_ = check.find(map_, test::postureOf(model_, at(0.7, 9.0)));
+  PoseCheck check(test::checked(model_, use_, collision_), kPeriods);
+  check.place(at(0.7, 9.0), kAtOrigin);
+  result_ = check.findClearances(map_, kRadius);
   EXPECT_NEAR(of("hand").distance_m, 0.05, kRounding);
-  result_ = check.find(map_, test::postureOf(model_, at(0.6, 9.0)));
+  check.place(at(0.6, 9.0), kAtOrigin);
+  result_ = check.findClearances(map_, kRadius);
   EXPECT_NEAR(of("hand").distance_m, 0.15, kRounding);
-  result_ = check.find(map_, test::postureOf(model_, at(0.1, 9.0)));
+  check.place(at(0.1, 9.0), kAtOrigin);
+  result_ = check.findClearances(map_, kRadius);
   EXPECT_EQ(of("hand").distance_m, kInfinity);
 }
 
-TEST_F(ClearanceCheckTest, LinksThatAreNotCheckedForCollisionHaveNone) {
+TEST_F(PoseCheckClearanceTest, LinksThatAreNotCheckedForCollisionHaveNone) {
   addWall(0.4, 0.5);
   use_.links = {"hand"};
   look(0.7, 0.32);
@@ -145,20 +149,21 @@ TEST_F(ClearanceCheckTest, LinksThatAreNotCheckedForCollisionHaveNone) {
   EXPECT_EQ(of("hand").distance_m, kInfinity);
 }
 
-TEST_F(ClearanceCheckTest, OfALinkOfTwoPrimitivesTheNearerCounts) {
+TEST_F(PoseCheckClearanceTest, OfALinkOfTwoPrimitivesTheNearerCounts) {
   model_ = test::modelOf(
       test::robotOf(linkOf("base", collisionOf(test::sphereOf("0.05"), "0.3 0 0.5") +
                                        collisionOf(test::sphereOf("0.05"), "0.5 0 0.5"))));
   addBlock(map_, {Vector3(0.66, -0.02, 0.4), Vector3(0.7, 0.02, 0.6)});
   addBlock(map_, {Vector3(0.12, -0.02, 0.4), Vector3(0.16, 0.02, 0.6)});
-  ClearanceCheck check(test::checked(model_, use_, collision_), kRadius);
-  const auto& found = check.find(map_, test::postureOf(model_, {}));
+  PoseCheck check(test::checked(model_, use_, collision_), kPeriods);
+  check.place({}, kAtOrigin);
+  const auto& found = check.findClearances(map_, kRadius);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_NEAR(found[0].distance_m, 0.09, kRounding);
   EXPECT_LT(map_.box(map_.cuboids[found[0].cuboid]).max().x(), 0.2) << "that of the first";
 }
 
-TEST_F(ClearanceCheckTest, ACuboidWithoutSupportIsPassedOver) {
+TEST_F(PoseCheckClearanceTest, ACuboidWithoutSupportIsPassedOver) {
   addBlock(map_, {Vector3(0.76, 0.0, 0.49), Vector3(0.78, 0.02, 0.51)}, 2);
   addWall(0.9, 0.0);
   EXPECT_NEAR(hand(0.7), 0.01, kRounding);
@@ -171,15 +176,14 @@ TEST_F(ClearanceCheckTest, ACuboidWithoutSupportIsPassedOver) {
   EXPECT_NEAR(hand(0.7), 0.01, kRounding) << "its neighbour lends it one";
 }
 
-TEST_F(ClearanceCheckTest, TheRootsPoseMovesTheWholeRobot) {
+TEST_F(PoseCheckClearanceTest, TheRootsPoseMovesTheWholeRobot) {
   addWall(0.8, 0.0);
-  ClearanceCheck check(test::checked(model_, use_, collision_), kRadius);
-  EXPECT_NEAR(
-      check.least(map_, test::postureOf(model_, at(0.4, 0.0), {test::placedAt(0.3, 0.0, 0.0)})),
-      0.05, kRounding);
+  PoseCheck check(test::checked(model_, use_, collision_), kPeriods);
+  check.place(at(0.4, 0.0), {test::placedAt(0.3, 0.0, 0.0)});
+  EXPECT_NEAR(check.leastClearance(map_, kRadius), 0.05, kRounding);
 }
 
-TEST_F(ClearanceCheckTest, WrongLinksAndValuesAreRefused) {
+TEST_F(PoseCheckClearanceTest, WrongLinksAndValuesAreRefused) {
   use_.links = {"foot"};
   EXPECT_THROW(test::checked(model_, use_, collision_), ConfigError);
   collision_.support_points = 0;
@@ -220,7 +224,6 @@ void expectWhatBruteForceFinds(const std::shared_ptr<const RobotModel>& model,
                                const Grid::Config& grid, double share, unsigned seed, int scenes) {
   constexpr double kExact = 2e-6;  // what distance() promises, twice
   Random random(seed);
-  Kinematics kinematics(model);
   std::size_t touching = 0, near = 0, far = 0;
   for (int scene = 0; scene < scenes; ++scene) {
     const CuboidMap map = test::randomMap(random, grid, share);
@@ -233,12 +236,12 @@ void expectWhatBruteForceFinds(const std::shared_ptr<const RobotModel>& model,
     CollisionCheck::Config collision;
     collision.support_points = random.integer(1, 4);
     const double radius_m = random.chance(0.2) ? 0.02 : random.uniform(0.02, 0.4);
-    ClearanceCheck check(test::checked(model, LinkUse({1.0, 0.04}), collision), radius_m);
-    kinematics.update(positions, root);
+    PoseCheck check(test::checked(model, LinkUse({1.0, 0.04}), collision), kPeriods);
+    const Posture& posture = check.place(positions, root);
     const std::vector<Nearest> expected =
-        nearestOfAll(*model, kinematics.shapePoses(), map, collision.support_points, radius_m);
+        nearestOfAll(*model, posture.T_fixed_shapes, map, collision.support_points, radius_m);
     double least = kInfinity;
-    for (const LinkClearance& entry : check.find(map, kinematics.posture())) {
+    for (const LinkClearance& entry : check.findClearances(map, radius_m)) {
       const Nearest& nearest = expected[entry.link];
       least = std::min(least, entry.distance_m);
       if (std::abs(nearest.distance_m - radius_m) < kExact) continue;
@@ -252,13 +255,13 @@ void expectWhatBruteForceFinds(const std::shared_ptr<const RobotModel>& model,
       double to_named = kInfinity;
       for (std::size_t i = 0; i < model->shapes().size(); ++i) {
         if (model->shapes()[i].link != entry.link) continue;
-        to_named = std::min(to_named, distance(model->shapes()[i].shape, kinematics.shapePoses()[i],
+        to_named = std::min(to_named, distance(model->shapes()[i].shape, posture.T_fixed_shapes[i],
                                                map.box(map.cuboids[entry.cuboid])));
       }
       EXPECT_NEAR(to_named, entry.distance_m, kExact) << "that is how far its cuboid is";
       ++(nearest.distance_m == 0.0 ? touching : near);
     }
-    const double told = check.least(map, kinematics.posture());
+    const double told = check.leastClearance(map, radius_m);
     if (std::isinf(least)) {
       EXPECT_EQ(told, least) << scene;
     } else {

@@ -1,10 +1,10 @@
-#include "check/obeyed_scale.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <deque>
 #include <random>
+
+#include "check/governed_speed.h"
 
 namespace tccm {
 namespace {

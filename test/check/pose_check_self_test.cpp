@@ -1,10 +1,9 @@
-#include "check/self_test.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "check/checker_config.h"
+#include "check/pose_check.h"
 #include "simulation/robot/dual_arm.h"
 #include "support/checked_robot.h"
 #include "support/tiny_robot.h"
@@ -30,12 +29,12 @@ class SelfTestTest : public ::testing::Test {
   Links missed(const Links& exempt = {}, const PlacedShape& region = kAroundTheCuboid) {
     const auto robot = test::checked(model_, config_);
     PoseCheck check(robot, 1.5);
-    ExemptRegions regions(robot->collisionBody().shapes.size());
+    ExemptRegions regions(robot->collision_body.shapes.size());
     for (std::size_t i = 0; i < regions.size(); ++i) {
-      const std::string& link = model_->linkOf(robot->collisionBody().shapes[i]);
+      const std::string& link = model_->linkOf(robot->collision_body.shapes[i]);
       if (std::find(exempt.begin(), exempt.end(), link) != exempt.end()) regions[i] = {region};
     }
-    robot->exempt(regions);
+    robot->collision.exempt(regions);
     return selfTest(*robot, check);
   }
   void take(const std::string& urdf, const RobotModel::Config& config = {}) {
@@ -121,7 +120,7 @@ TEST_F(SelfTestTest, OneBlindPrimitiveOfSeveralIsEnough) {
                                   collisionOf(test::sphereOf("0.05"), "0.01 0 0"))));
   const auto robot = test::checked(model_, config_);
   PoseCheck check(robot, 1.5);
-  robot->exempt({{kAroundTheCuboid}, {}});
+  robot->collision.exempt({{kAroundTheCuboid}, {}});
   EXPECT_EQ(selfTest(*robot, check), Links{"base"}) << "its neighbour touches all the same";
 }
 
