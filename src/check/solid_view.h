@@ -6,7 +6,7 @@
 #include <optional>
 #include <variant>
 
-#include "geometry/line_span.h"
+#include "geometry/ray.h"
 
 /// What a spherical camera sees of one solid: where rays meet it, and the angles it lies within.
 namespace tccm::view {
