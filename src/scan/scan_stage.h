@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "map/scan_returns.h"
 #include "robot/body_sampler.h"
 #include "scan/scan_assembler.h"
+#include "sight/look.h"
 
 namespace tccm {
 
