@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "scan/projection.h"
+#include "scan/assembled_scan.h"
 
 namespace tccm {
 namespace {
