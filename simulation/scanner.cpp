@@ -64,7 +64,7 @@ class RayCaster {
       const double along = to_centre.dot(ray.direction);
       const double across_squared = to_centre.squaredNorm() - along * along;
       if (along < -target.radius || across_squared > target.radius * target.radius) continue;
-      const std::optional<RaySpan> span =
+      const std::optional<LineSpan> span =
           intersect(target.shape, transformed(ray, target.T_shape_fixed));
       if (span && span->enter < nearest.range && span->enter <= range_max) {
         nearest = {span->enter, i, target.label};

@@ -86,11 +86,37 @@ class DirectionGrid {
   }
   [[nodiscard]] Vector3 middle(std::size_t pixel) const {
     const int row = rowOfPixel(pixel);
-    return middle(row, static_cast<int>(pixel) - row * columns_);
+    return middle(row, columnOfPixel(pixel, row));
+  }
+  /// The column of a pixel in that row.
+  [[nodiscard]] int columnOfPixel(std::size_t pixel, int row) const {
+    return static_cast<int>(pixel) - row * columns_;
   }
   /// How many columns to either side of its own a direction at a row's middle can reach within an
   /// angle [rad]; all of them near the poles.
   [[nodiscard]] int columnsWithin(int row, double angle) const;
+
+  /// Which pixels lie around one.
+  struct Around {
+    int rows;                  ///< above and below
+    std::vector<int> columns;  ///< to either side, by row
+  };
+  /// All that a direction in a pixel can reach within an angle [rad].
+  [[nodiscard]] Around around(double angle) const;
+  /// Calls visit (row, column) until it says that it has seen enough. @return whether it did.
+  template <typename Visit>
+  bool visitAround(std::size_t pixel, const Around& around, Visit&& visit) const {
+    const int middle_row = rowOfPixel(pixel);
+    const int middle = columnOfPixel(pixel, middle_row);
+    const int last = std::min(rows_ - 1, middle_row + around.rows);
+    for (int row = std::max(0, middle_row - around.rows); row <= last; ++row) {
+      const int reach = around.columns[static_cast<std::size_t>(row)];
+      for (int c = middle - reach; c <= middle + reach; ++c) {
+        if (visit(row, wrapped(c))) return true;
+      }
+    }
+    return false;
+  }
 
  private:
   double resolution_;

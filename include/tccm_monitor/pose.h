@@ -29,9 +29,6 @@ class Interpolation {
   Vector3 p_to_;
 };
 
-/// One place of that way. @param u 0 gives from, 1 gives to.
-[[nodiscard]] Pose interpolate(const Pose& from, const Pose& to, double u);
-
 /// How far a point within that radius of a frame's origin moves at most from one pose of the frame
 /// to another, on the shortest way [m].
 [[nodiscard]] double displacement(const Pose& from, const Pose& to, double radius_m);

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "geometry/line_span.h"
+#include "geometry/ray.h"
 
 namespace tccm {
 namespace {

@@ -65,4 +65,10 @@ int DirectionGrid::columnsWithin(int row, double angle) const {
   return std::min(rows_, static_cast<int>(std::asin(sine_max / cosine_min) / resolution_) + 1);
 }
 
+DirectionGrid::Around DirectionGrid::around(double angle) const {
+  Around around{static_cast<int>(std::ceil(angle / resolution_)), {}};
+  for (int row = 0; row < rows_; ++row) around.columns.push_back(columnsWithin(row, angle));
+  return around;
+}
+
 }  // namespace tccm

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "geometry/segment_box.h"
-
 namespace tccm {
 namespace {
 

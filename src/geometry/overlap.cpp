@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "geometry/segment_box.h"
+#include "geometry/distance.h"
 
 namespace tccm {
 namespace {

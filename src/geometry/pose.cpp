@@ -34,10 +34,6 @@ Pose Interpolation::at(double u) const {
   return pose;
 }
 
-Pose interpolate(const Pose& from, const Pose& to, double u) {
-  return Interpolation(from, to).at(u);
-}
-
 double displacement(const Pose& from, const Pose& to, double radius_m) {
   const Eigen::Matrix3d turn = from.linear().transpose() * to.linear();
   const double angle = std::acos(std::clamp(0.5 * (turn.trace() - 1.0), -1.0, 1.0));

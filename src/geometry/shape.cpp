@@ -1,6 +1,7 @@
 #include "tccm_monitor/shape.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "tccm_monitor/config_error.h"
@@ -74,13 +75,6 @@ struct PointDistance {
   double operator()(const Sphere& s) const { return std::max(0.0, p.norm() - s.radius); }
 };
 
-struct Name {
-  std::string operator()(const Box& /*box*/) const { return "box"; }
-  std::string operator()(const Cylinder& /*cylinder*/) const { return "cylinder"; }
-  std::string operator()(const Capsule& /*capsule*/) const { return "capsule"; }
-  std::string operator()(const Sphere& /*sphere*/) const { return "sphere"; }
-};
-
 struct Validate {
   std::string owner;
   void requireSize(const char* what, double value) const {
@@ -121,7 +115,10 @@ double distance(const Shape& shape, const Vector3& p_shape) {
   return std::visit(PointDistance{p_shape}, shape);
 }
 
-std::string name(const Shape& shape) { return std::visit(Name{}, shape); }
+std::string name(const Shape& shape) {
+  static const std::array<const char*, 4> kNames = {"box", "cylinder", "capsule", "sphere"};
+  return kNames[shape.index()];
+}
 
 void validate(const Shape& shape, const std::string& owner) { std::visit(Validate{owner}, shape); }
 

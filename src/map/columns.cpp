@@ -63,7 +63,7 @@ void Columns::link(CellIndex cell, std::uint32_t previous, std::uint32_t index,
   pool_[index].next = next;
 }
 
-std::uint32_t Columns::take(const Interval& interval) {
+void Columns::take(const Interval& interval) {
   assert(free_ != kNone);
   const std::uint32_t index = free_;
   free_ = pool_[index].next;
@@ -71,79 +71,44 @@ std::uint32_t Columns::take(const Interval& interval) {
   joinOwner(index);
   link(interval.cell, interval.previous, index, interval.next);
   ++used_;
-  return index;
 }
 
 bool Columns::insert(CellIndex cell, Height bottom, Height top, std::uint32_t serial) {
   assert(bottom < top);
   // One interval of its own, and one more where it splits another in two.
   if (used_ + 2 > intervals_max_) return false;
-  Interval added{};
-  added.bottom = bottom;
-  added.top = top;
-  added.serial = added.born = serial;
-  added.cell = cell;
-  added.previous = kNone;
-  std::uint32_t next = first_[cell];
+  Interval added{bottom, top, serial, serial, first_[cell], kNone, kNone, kNone, cell};
+  std::uint32_t& next = added.next;
   while (next != kNone && pool_[next].top < bottom) {
     added.previous = next;
     next = pool_[next].next;
   }
-  std::uint32_t reused = kNone;
   while (next != kNone && pool_[next].bottom <= top) {
-    Interval& other = pool_[next];
+    const std::uint32_t index = next;
+    Interval& other = pool_[index];  // stays valid: the pool never grows
+    const bool is_own = other.serial == serial;
     // Beams side by side see the same surface: most returns change nothing.
-    if (other.serial == serial && other.bottom <= bottom && other.top >= top) {
-      assert(reused == kNone);  // a scan's own never touch
-      return true;
-    }
+    if (is_own && other.bottom <= bottom && other.top >= top) return true;
     const bool overlaps = other.bottom < top && other.top > bottom;
-    if (overlaps) added.born = older(added.born, other.born, serial);
-    if (other.serial == serial) {  // the scan's own: one interval, also where they only touch
+    if (is_own || overlaps) added.born = older(added.born, other.born, serial);
+    if (is_own) {  // one interval, also where they only touch
       added.bottom = std::min(added.bottom, other.bottom);
       added.top = std::max(added.top, other.top);
-      added.born = older(added.born, other.born, serial);
-    } else if (!overlaps && other.top <= bottom) {  // touches from below
-      added.previous = next;
-      next = other.next;
-      continue;
-    } else if (!overlaps) {  // touches from above
-      break;
-    } else if (other.bottom < bottom && other.top > top) {
-      Interval above = other;
-      above.bottom = top;
-      other.top = bottom;  // `other` stays valid: the pool never grows
-      above.previous = next;
-      added.previous = next;
-      added.next = take(above);
-      take(added);
-      return true;
     } else if (other.bottom < bottom) {
+      if (other.top > top) static_cast<void>(split(index, top));
       other.top = bottom;
-      added.previous = next;
+      added.previous = index;
       next = other.next;
       continue;
     } else if (other.top > top) {
       other.bottom = top;
       break;
     }
-    const std::uint32_t covered = next;
     next = other.next;
-    leaveOwner(covered);
-    if (reused == kNone) {
-      reused = covered;
-    } else {
-      release(covered);
-    }
+    leaveOwner(index);
+    release(index);
   }
-  added.next = next;
-  if (reused == kNone) {
-    take(added);
-  } else {
-    pool_[reused] = added;
-    joinOwner(reused);
-    link(cell, added.previous, reused, next);
-  }
+  take(added);
   return true;
 }
 
@@ -214,10 +179,6 @@ bool Columns::claim(CellIndex cell, Heights heights, std::uint32_t serial, std::
     below = i;
   }
   return exact;
-}
-
-std::size_t Columns::memoryBytes() const {
-  return first_.capacity() * sizeof(std::uint32_t) + pool_.capacity() * sizeof(Interval);
 }
 
 }  // namespace tccm

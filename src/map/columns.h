@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/bytes_of.h"
 #include "tccm_monitor/cuboid_map.h"
 
 namespace tccm {
@@ -16,6 +17,11 @@ namespace tccm {
 /// still owns. All intervals live in one pool that is allocated once.
 class Columns {
  public:
+  /// [bottom, top)
+  struct Heights {
+    Height bottom;
+    Height top;
+  };
   struct Interval {
     Height bottom;
     Height top;
@@ -26,11 +32,8 @@ class Columns {
     std::uint32_t owned_next;  ///< of the same scan, in a ring with its anchor
     std::uint32_t owned_previous;
     CellIndex cell;
-  };
-  /// [bottom, top)
-  struct Heights {
-    Height bottom;
-    Height top;
+
+    [[nodiscard]] Heights heights() const { return {bottom, top}; }
   };
   static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
 
@@ -43,7 +46,17 @@ class Columns {
   /// Removes what the scan still owns. @param visit (Interval): is shown each before, in the order
   /// in which the scan came to own them.
   template <typename Visit>
-  void expire(std::uint32_t serial, Visit&& visit);
+  void expire(std::uint32_t serial, Visit&& visit) {
+    const std::uint32_t anchor = anchorOf(serial);
+    for (std::uint32_t i = pool_[anchor].owned_next; i != anchor;) {
+      visit(static_cast<const Interval&>(pool_[i]));
+      unlink(i);
+      const std::uint32_t next = pool_[i].owned_next;
+      release(i);
+      i = next;
+    }
+    pool_[anchor].owned_next = pool_[anchor].owned_previous = anchor;
+  }
   void expire(std::uint32_t serial) {
     expire(serial, [](const Interval&) {});
   }
@@ -61,10 +74,9 @@ class Columns {
   /// The cell's lowest interval, or kNone.
   [[nodiscard]] std::uint32_t first(CellIndex cell) const { return first_[cell]; }
   [[nodiscard]] const Interval& interval(std::uint32_t index) const { return pool_[index]; }
-  [[nodiscard]] CellIndex cells() const { return static_cast<CellIndex>(first_.size()); }
   [[nodiscard]] std::size_t used() const { return used_; }
   [[nodiscard]] std::size_t room() const { return intervals_max_ - used_; }
-  [[nodiscard]] std::size_t memoryBytes() const;
+  [[nodiscard]] std::size_t memoryBytes() const { return bytesOf(first_, pool_); }
 
  private:
   /// The scan's anchor in the pool.
@@ -78,10 +90,18 @@ class Columns {
   void give(std::uint32_t index, std::uint32_t serial);
   /// Into the cell's list.
   void link(CellIndex cell, std::uint32_t previous, std::uint32_t index, std::uint32_t next);
-  void unlink(std::uint32_t index);
+  void unlink(std::uint32_t index) {
+    const Interval& i = pool_[index];
+    (i.previous == kNone ? first_[i.cell] : pool_[i.previous].next) = i.next;
+    if (i.next != kNone) pool_[i.next].previous = i.previous;
+  }
   /// In both lists.
-  std::uint32_t take(const Interval& interval);
-  void release(std::uint32_t index);
+  void take(const Interval& interval);
+  void release(std::uint32_t index) {
+    pool_[index].next = free_;
+    free_ = index;
+    --used_;
+  }
   [[nodiscard]] bool split(std::uint32_t index, Height at);
   bool uniteWithNext(std::uint32_t index);
 
@@ -92,31 +112,5 @@ class Columns {
   std::uint32_t free_ = kNone;
   std::size_t used_ = 0;
 };
-
-inline void Columns::release(std::uint32_t index) {
-  pool_[index].next = free_;
-  free_ = index;
-  --used_;
-}
-
-inline void Columns::unlink(std::uint32_t index) {
-  const Interval& interval = pool_[index];
-  (interval.previous == kNone ? first_[interval.cell] : pool_[interval.previous].next) =
-      interval.next;
-  if (interval.next != kNone) pool_[interval.next].previous = interval.previous;
-}
-
-template <typename Visit>
-void Columns::expire(std::uint32_t serial, Visit&& visit) {
-  const std::uint32_t anchor = anchorOf(serial);
-  for (std::uint32_t i = pool_[anchor].owned_next; i != anchor;) {
-    visit(static_cast<const Interval&>(pool_[i]));
-    unlink(i);
-    const std::uint32_t next = pool_[i].owned_next;
-    release(i);
-    i = next;
-  }
-  pool_[anchor].owned_next = pool_[anchor].owned_previous = anchor;
-}
 
 }  // namespace tccm

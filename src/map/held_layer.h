@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "map/columns.h"
@@ -27,11 +28,21 @@ class HeldLayer {
   };
 
   /// Allocates all that it will ever use.
-  HeldLayer(CellIndex cells, std::size_t intervals_max);
+  HeldLayer(CellIndex cells, std::size_t intervals_max)
+      : in_cell_(cells, 0), intervals_max_(intervals_max) {
+    intervals_.reserve(intervals_max);
+  }
 
   /// @param interval meets none that is held already. @return false, with nothing changed, where
   /// there is no room.
-  [[nodiscard]] bool hold(const Interval& interval);
+  [[nodiscard]] bool hold(const Interval& interval) {
+    std::uint16_t& in_cell = in_cell_[interval.cell];
+    if (intervals_.size() >= intervals_max_) return false;
+    if (in_cell == std::numeric_limits<std::uint16_t>::max()) return false;
+    ++in_cell;
+    intervals_.push_back(interval);
+    return true;
+  }
   /// These heights of a cell were seen again: they are held no longer.
   /// @return false where the room ran out over it, and less is held than should be.
   [[nodiscard]] bool seen(CellIndex cell, Columns::Heights heights);
@@ -45,19 +56,48 @@ class HeldLayer {
     });
     intervals_.erase(kept, intervals_.end());
   }
-  void clear();
+  void clear() {
+    intervals_.clear();
+    std::fill(in_cell_.begin(), in_cell_.end(), std::uint16_t{0});
+  }
 
-  [[nodiscard]] bool empty() const { return intervals_.empty(); }
-  [[nodiscard]] std::size_t size() const { return intervals_.size(); }
   /// By cell, then from low to high, once sort() was called since the last change.
   [[nodiscard]] const std::vector<Interval>& intervals() const { return intervals_; }
-  void sort();
-  [[nodiscard]] std::size_t memoryBytes() const;
+  void sort() {
+    std::sort(intervals_.begin(), intervals_.end(), [](const Interval& a, const Interval& b) {
+      return a.cell != b.cell ? a.cell < b.cell : a.heights.bottom < b.heights.bottom;
+    });
+  }
+  [[nodiscard]] std::size_t memoryBytes() const { return bytesOf(in_cell_, intervals_); }
 
  private:
   std::vector<std::uint16_t> in_cell_;  ///< how many each cell has
   std::vector<Interval> intervals_;
   std::size_t intervals_max_;
 };
+
+inline bool HeldLayer::seen(CellIndex cell, Columns::Heights heights) {
+  if (in_cell_[cell] == 0) return true;
+  bool fits = true;
+  // Those that are added below lie outside of the heights.
+  for (std::size_t i = 0; i < intervals_.size(); ++i) {
+    Interval& held = intervals_[i];
+    if (held.cell != cell || held.heights.top <= heights.bottom ||
+        held.heights.bottom >= heights.top) {
+      continue;
+    }
+    Interval above = held;
+    above.heights.bottom = heights.top;
+    held.heights.top = std::min(held.heights.top, heights.bottom);
+    if (above.heights.bottom >= above.heights.top) continue;
+    if (held.heights.bottom >= held.heights.top) {
+      held = above;
+    } else {
+      fits = hold(above) && fits;
+    }
+  }
+  releaseIf([](const Interval& i) { return i.heights.bottom >= i.heights.top; });
+  return fits;
+}
 
 }  // namespace tccm

@@ -1,9 +1,9 @@
 #include "map/integration_map.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
-#include "map/scan_batch.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
@@ -16,6 +16,48 @@ double placeDoubt(const Grid::Config& grid) {
   return std::hypot(std::sqrt(0.5) * grid.cell_size_m, 0.5 * grid.height_quantum_m) +
          kPlaceRounding;
 }
+
+/// Puts together what a scan's returns occupy before it goes into the columns. Beams side by side
+/// fall into a few cells in turn, and mostly see the same surface: most of them only widen what is
+/// gathered already. The columns become what they would return by return.
+class ScanBatch {
+ public:
+  /// @pre the columns have room for two intervals a return. @param serial of the scan, the newest.
+  ScanBatch(Columns& columns, std::uint32_t serial) : columns_(columns), serial_(serial) {}
+
+  void add(CellIndex cell, Columns::Heights heights) {
+    for (Gathered& gathered : gathered_) {
+      const bool touches = gathered.cell == cell && heights.bottom <= gathered.heights.top &&
+                           heights.top >= gathered.heights.bottom;
+      if (!touches) continue;
+      if (heights.bottom < gathered.heights.bottom) gathered.heights.bottom = heights.bottom;
+      if (heights.top > gathered.heights.top) gathered.heights.top = heights.top;
+      return;
+    }
+    insert(gathered_[next_]);
+    gathered_[next_] = {cell, heights};
+    next_ = (next_ + 1) % gathered_.size();
+  }
+  /// What is gathered still. To be called at the end.
+  void finish() {
+    for (const Gathered& gathered : gathered_) insert(gathered);
+  }
+
+ private:
+  struct Gathered {
+    CellIndex cell = std::numeric_limits<CellIndex>::max();  ///< none
+    Columns::Heights heights = {0, 0};
+  };
+  void insert(const Gathered& gathered) {
+    const auto [bottom, top] = gathered.heights;
+    if (bottom < top) static_cast<void>(columns_.insert(gathered.cell, bottom, top, serial_));
+  }
+
+  Columns& columns_;
+  std::uint32_t serial_;
+  std::array<Gathered, 4> gathered_ = {};
+  std::size_t next_ = 0;
+};
 
 }  // namespace
 
@@ -45,53 +87,30 @@ IntegrationMap::Added IntegrationMap::add(Time stamp, const std::vector<Vector3>
   ++serial_;
   newest_stamp_ = stamp;
   ring_.begin(serial_, stamp);
-  // Nearly always there is nothing to forget, and the loop over all returns need not ask.
-  if (!forgotten_.begin(stamp)) return addReturns(returns, [](const Vector3&) { return false; });
-  return addReturns(returns, [this](const Vector3& p) { return forgotten_.contains(p); });
-}
-
-template <typename IsForgotten>
-IntegrationMap::Added IntegrationMap::addReturns(const std::vector<Vector3>& returns,
-                                                 IsForgotten&& isForgotten) {
+  const bool may_forget = forgotten_.begin(stamp);
   const bool all_fit = columns_.room() >= 2 * returns.size() && ring_.room() >= returns.size();
-  if (!all_fit) {
-    return addReturns(returns, isForgotten, [this](const MappedReturn& e) { return insert(e); });
-  }
   ScanBatch batch(columns_, serial_);
-  const Added added = addReturns(returns, isForgotten, [&](const MappedReturn& entry) {
-    batch.add(entry.cell, occupiedBy(entry));
-    note(entry);
-    return true;
-  });
-  batch.finish();
-  return added;
-}
-
-template <typename IsForgotten, typename Insert>
-IntegrationMap::Added IntegrationMap::addReturns(const std::vector<Vector3>& returns,
-                                                 IsForgotten&& isForgotten, Insert&& insert) {
   Added added;
   for (const Vector3& p_fixed : returns) {
     const auto place = grid_.place(p_fixed);
     if (!place) {
       ++added.out_of_area;
-    } else if (isForgotten(p_fixed)) {
+    } else if (may_forget && forgotten_.contains(p_fixed)) {
       ++added.forgotten;
-    } else if (insert({place->cell, place->height})) {
+    } else if (all_fit) {
+      batch.add(place->cell, occupiedBy(*place));
+      note(*place);
+      ++added.mapped;
+    } else if (ring_.room() > 0 &&
+               columns_.insert(place->cell, occupiedBy(*place).bottom, place->height, serial_)) {
+      note(*place);
       ++added.mapped;
     } else {
       overflow_serial_ = serial_;
     }
   }
+  batch.finish();
   return added;
-}
-
-bool IntegrationMap::insert(const MappedReturn& entry) {
-  const Columns::Heights heights = occupiedBy(entry);
-  if (!ring_.hasRoom()) return false;
-  if (!columns_.insert(entry.cell, heights.bottom, heights.top, serial_)) return false;
-  note(entry);
-  return true;
 }
 
 void IntegrationMap::note(const MappedReturn& entry) {
@@ -104,21 +123,20 @@ std::size_t IntegrationMap::forget(const Region& region, Time until) {
   forgotten_.add(region, until);
   std::vector<RegionPart> parts;
   parts.reserve(region.size());
-  for (const PaddedShape& shape : region) parts.emplace_back(shape, placeDoubt(config_.grid));
-  markCellsNear(parts);
+  for (const PaddedShape& shape : region) {
+    markCellsNear(parts.emplace_back(shape, placeDoubt(config_.grid)));
+  }
   const std::size_t removed = removeReturns(parts);
   if (removed > 0) restoreColumns();
   std::fill(losses_.begin(), losses_.end(), Loss());
   return removed;
 }
 
-void IntegrationMap::markCellsNear(const std::vector<RegionPart>& parts) {
-  for (const RegionPart& part : parts) {
-    const Grid::Footprint cells = grid_.footprint(part.bounds());
-    for (CellIndex iy = cells.y_begin; iy < cells.y_end; ++iy) {
-      for (CellIndex ix = cells.x_begin; ix < cells.x_end; ++ix) {
-        losses_[iy * grid_.cellsX() + ix].near = true;
-      }
+void IntegrationMap::markCellsNear(const RegionPart& part) {
+  const Grid::Footprint cells = grid_.footprint(part.bounds());
+  for (CellIndex iy = cells.y_begin; iy < cells.y_end; ++iy) {
+    for (CellIndex ix = cells.x_begin; ix < cells.x_end; ++ix) {
+      losses_[iy * grid_.cellsX() + ix].near = true;
     }
   }
 }
@@ -160,10 +178,6 @@ void IntegrationMap::restoreColumns() {
   columns_.expire(nobody);
 }
 
-Columns::Heights IntegrationMap::occupiedBy(const MappedReturn& entry) const {
-  return {static_cast<Height>(entry.height - thickness_), entry.height};
-}
-
 void IntegrationMap::clear() {
   columns_.clear();
   counts_.clear();
@@ -171,15 +185,6 @@ void IntegrationMap::clear() {
   forgotten_.clear();
   overflow_serial_ = 0;
   ++beginnings_;
-}
-
-bool IntegrationMap::overflowed() const {
-  return overflow_serial_ != 0 && serial_ - overflow_serial_ < ring_.scans();
-}
-
-std::size_t IntegrationMap::memoryBytes() const {
-  return columns_.memoryBytes() + counts_.memoryBytes() + ring_.memoryBytes() +
-         forgotten_.memoryBytes() + losses_.capacity() * sizeof(Loss);
 }
 
 std::uint32_t IntegrationMap::pointsIn(CellIndex cell, Columns::Heights heights) const {
@@ -215,7 +220,7 @@ void IntegrationMap::appendLive(CellIndex cell, CuboidMap& map) const {
   }
 }
 
-void IntegrationMap::snapshot(CuboidMap& map, const HeldLayer& held) const {
+void IntegrationMap::snapshot(CuboidMap& map, const std::vector<HeldLayer::Interval>& held) const {
   map.grid = grid_;
   map.stamp = newest_stamp_;
   map.serial = serial_;
@@ -224,13 +229,13 @@ void IntegrationMap::snapshot(CuboidMap& map, const HeldLayer& held) const {
   map.thickness = thickness_;
   map.cuboids.clear();
   map.cell_begin.resize(grid_.cells() + 1);
-  auto next_held = held.intervals().begin();
+  auto next_held = held.begin();
   for (CellIndex cell = 0; cell < grid_.cells(); ++cell) {
     const auto begin = static_cast<std::ptrdiff_t>(map.cuboids.size());
     map.cell_begin[cell] = static_cast<std::uint32_t>(begin);
     appendLive(cell, map);
-    if (next_held == held.intervals().end() || next_held->cell != cell) continue;
-    for (; next_held != held.intervals().end() && next_held->cell == cell; ++next_held) {
+    if (next_held == held.end() || next_held->cell != cell) continue;
+    for (; next_held != held.end() && next_held->cell == cell; ++next_held) {
       Cuboid cuboid{cell, next_held->heights.bottom, next_held->heights.top, next_held->support};
       cuboid.age_scans = serial_ - next_held->born;
       cuboid.held = true;
@@ -240,11 +245,6 @@ void IntegrationMap::snapshot(CuboidMap& map, const HeldLayer& held) const {
               [](const Cuboid& a, const Cuboid& b) { return a.bottom < b.bottom; });
   }
   map.cell_begin[grid_.cells()] = static_cast<std::uint32_t>(map.cuboids.size());
-}
-
-void IntegrationMap::snapshot(CuboidMap& map) const {
-  static const HeldLayer kNothing(0, 0);
-  snapshot(map, kNothing);
 }
 
 void IntegrationMap::reserve(CuboidMap& map) const {

@@ -7,11 +7,9 @@
 
 #include "config/parameter_table.h"
 #include "map/columns.h"
-#include "map/forgotten_regions.h"
 #include "map/held_layer.h"
-#include "map/part_map_ring.h"
 #include "map/region.h"
-#include "map/return_counts.h"
+#include "map/window_returns.h"
 #include "tccm_monitor/cuboid_map.h"
 
 namespace tccm {
@@ -31,8 +29,7 @@ class IntegrationMap {
     std::size_t intervals_max = 200000;
 
     void describe(ParameterTable& table);
-    /// @throws ConfigError
-    void validate() const { grid.validate(); }
+    void validate() const { grid.validate(); }  ///< @throws ConfigError
   };
 
   using Added = AddedReturns;
@@ -46,19 +43,16 @@ class IntegrationMap {
   Added add(Time stamp, const std::vector<Vector3>& returns);
   /// Subtracts the oldest scan's part map. @pre scans() > 0
   void expireOldest() {
-    expireOldest([](const Leaving&) {});
+    expireOldest([](const Columns::Interval&) {});
   }
-  /// What leaves the map when no scan of the window has seen it any more.
-  struct Leaving {
-    CellIndex cell;
-    Columns::Heights heights;
-    std::uint32_t serial;  ///< of the scan that saw it last
-    std::uint32_t born;
-  };
-  /// The same. @param visit (Leaving): is shown each interval that leaves with it, once, while all
-  /// returns still count.
+  /// The same. @param visit (Columns::Interval): is shown each interval that leaves with it, as no
+  /// scan of the window has seen it any more: once, while all returns still count.
   template <typename Visit>
-  void expireOldest(Visit&& visit);
+  void expireOldest(Visit&& visit) {
+    columns_.expire(ring_.oldestSerial(), visit);
+    ring_.visitOldest([this](const MappedReturn& e) { counts_.remove(e.cell, e.height); });
+    ring_.dropOldest();
+  }
   static constexpr double kSupportHeight = 0.03;  ///< [m] within which returns support each other
   /// The window's returns in an interval, and those in the 3 x 3 cells around it within
   /// kSupportHeight, its own included.
@@ -83,10 +77,11 @@ class IntegrationMap {
   void clear();
 
   /// The heights that a return occupies.
-  [[nodiscard]] Columns::Heights occupiedBy(const MappedReturn& entry) const;
+  [[nodiscard]] Columns::Heights occupiedBy(const MappedReturn& entry) const {
+    return {static_cast<Height>(entry.height - thickness_), entry.height};
+  }
   [[nodiscard]] Height thickness() const { return thickness_; }
   [[nodiscard]] std::size_t scans() const { return ring_.scans(); }
-  [[nodiscard]] std::size_t scansMax() const { return config_.scans_max; }
   [[nodiscard]] const Config& config() const { return config_; }
   /// How often all was forgotten.
   [[nodiscard]] std::uint32_t beginnings() const { return beginnings_; }
@@ -94,7 +89,9 @@ class IntegrationMap {
   [[nodiscard]] Time newestStamp() const { return newest_stamp_; }
   [[nodiscard]] std::uint32_t serial() const { return serial_; }
   /// A bound was met, and points were left out, in a scan that is still in the window.
-  [[nodiscard]] bool overflowed() const;
+  [[nodiscard]] bool overflowed() const {
+    return overflow_serial_ != 0 && serial_ - overflow_serial_ < ring_.scans();
+  }
   [[nodiscard]] const Grid& grid() const { return grid_; }
   /// Of all scans in the window, in layers as thick as what a return occupies.
   [[nodiscard]] const ReturnCounts& returnCounts() const { return counts_; }
@@ -103,24 +100,19 @@ class IntegrationMap {
   void visitNewest(Visit&& visit) const {
     ring_.visitNewest(visit);
   }
-  [[nodiscard]] std::size_t memoryBytes() const;
+  [[nodiscard]] std::size_t memoryBytes() const {
+    return columns_.memoryBytes() + counts_.memoryBytes() + ring_.memoryBytes() +
+           forgotten_.memoryBytes() + bytesOf(losses_);
+  }
 
   /// Writes cuboids but their dyn, index, grid, stamp, serial, window and thickness; the rest is
   /// the caller's. Allocates nothing once `map` has been through reserve().
   /// @param held sorted, and apart from what is in this map: becomes cuboids of its own.
-  void snapshot(CuboidMap& map, const HeldLayer& held) const;
-  /// Of this map alone.
-  void snapshot(CuboidMap& map) const;
+  void snapshot(CuboidMap& map, const std::vector<HeldLayer::Interval>& held = {}) const;
   /// Gives a snapshot the capacity that any of this map's can need.
   void reserve(CuboidMap& map) const;
 
  private:
-  /// @param insert what becomes of a return: whether there was room for it.
-  template <typename IsForgotten, typename Insert>
-  Added addReturns(const std::vector<Vector3>& returns, IsForgotten&& isForgotten, Insert&& insert);
-  template <typename IsForgotten>
-  Added addReturns(const std::vector<Vector3>& returns, IsForgotten&& isForgotten);
-  [[nodiscard]] bool insert(const MappedReturn& entry);
   void note(const MappedReturn& entry);
   /// What forget() does to a cell.
   struct Loss {
@@ -130,7 +122,7 @@ class IntegrationMap {
   static constexpr Columns::Heights kNothing{std::numeric_limits<Height>::max(),
                                              std::numeric_limits<Height>::min()};
 
-  void markCellsNear(const std::vector<RegionPart>& parts);
+  void markCellsNear(const RegionPart& part);
   std::size_t removeReturns(const std::vector<RegionPart>& parts);
   void restoreColumns();
   void appendLive(CellIndex cell, CuboidMap& map) const;
@@ -148,15 +140,5 @@ class IntegrationMap {
   Time newest_stamp_;
   std::uint32_t beginnings_ = 0;
 };
-
-template <typename Visit>
-void IntegrationMap::expireOldest(Visit&& visit) {
-  columns_.expire(ring_.oldestSerial(), [&](const Columns::Interval& interval) {
-    visit(Leaving{interval.cell, {interval.bottom, interval.top}, interval.serial, interval.born});
-  });
-  ring_.visitOldest(
-      [this](const MappedReturn& entry) { counts_.remove(entry.cell, entry.height); });
-  ring_.dropOldest();
-}
 
 }  // namespace tccm

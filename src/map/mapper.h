@@ -1,19 +1,73 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "config/parameter_table.h"
-#include "map/hold.h"
+#include "map/held_layer.h"
 #include "map/integration_map.h"
-#include "map/scan_returns.h"
 #include "map/tilt_period.h"
 #include "sight/look_map.h"
+#include "sight/newest_looks.h"
 #include "tccm_monitor/cuboid_map.h"
 
 namespace tccm {
+
+/// Keeps what leaves the window although nobody looked at its place again: what the robot hides is
+/// no less there. Rule and reasons: docs/perception.md, docs/design.md.
+class Hold {
+ public:
+  struct Config {
+    double longest_s = 10.0;
+    double look_angle_rad = 0.0175;
+    double outline_rad = 0.04;
+    double look_short_m = 0.05;
+    std::size_t intervals_max = 20000;
+
+    void describe(ParameterTable& table);
+  };
+
+  /// Allocates all that it will ever use. @throws ConfigError
+  Hold(const Config& config, const IntegrationMap& map);
+
+  [[nodiscard]] bool active() const { return config_.longest_s > 0.0; }
+  /// Follows the map's newest scan: lets go of what it saw the place of, be it there or not.
+  /// @param looks up to that scan.
+  void follow(const ScanReturns& scan, const IntegrationMap& map, const LookImage& looks);
+  /// The map's oldest scan leaves, and with it what no other has seen; where nobody looked at the
+  /// place of that since, it is held. @param now stamp of the newest scan.
+  void expireOldest(IntegrationMap& map, const LookImage& looks, Time now);
+  void sort() { held_.sort(); }
+  /// Lets go of what may lie in the region.
+  void forget(const Region& region, const IntegrationMap& map);
+  void clear();
+
+  /// Sorted, where nothing has changed since sort().
+  [[nodiscard]] const std::vector<HeldLayer::Interval>& held() const { return held_.intervals(); }
+  /// Something that is still in the window's time could not be held for want of room.
+  [[nodiscard]] bool overflowed(const IntegrationMap& map) const {
+    return lost_serial_ && map.serial() - *lost_serial_ < map.scans();
+  }
+  [[nodiscard]] std::size_t memoryBytes() const {
+    return newest_looks_.memoryBytes() + held_.memoryBytes() + bytesOf(viewpoints_);
+  }
+
+ private:
+  [[nodiscard]] Vector3& viewpointOf(std::uint32_t serial) {
+    return viewpoints_[serial % viewpoints_.size()];
+  }
+  [[nodiscard]] std::uint32_t heldAround(const Grid& grid, CellIndex cell,
+                                         Columns::Heights heights) const;
+
+  Config config_;
+  NewestLooks newest_looks_;
+  HeldLayer held_;
+  std::vector<Vector3> viewpoints_;           ///< of the window's scans, by serial
+  std::optional<std::uint32_t> lost_serial_;  ///< of the last scan when something could not be held
+};
 
 /// Keeps the integration map over its window, the last sweep of the tilting sensor; beside it what
 /// the sensor looked at, and what is held. Ages of places are kept by whoever shows them.
@@ -22,17 +76,13 @@ class Mapper {
   struct Config {
     IntegrationMap::Config map;
     TiltPeriod::Config tilt;
-    /// The window's length: this many scans; where 0, window_s; where that is 0 too, so many
-    /// measured tilt periods. A place at a turning point is seen again only after a whole period
-    /// (the paper's 3/4 are too short).
     int window_scans = 0;
     double window_s = 0.0;
+    /// A place at a turning point is seen again only after a whole period (the paper's 3/4 are too
+    /// short).
     double window_tilt_periods = 1.1;
-    /// After a longer gap between two scans the window has to fill again.
     double scan_gap_max_s = 0.25;
-    /// A scan older than the last by more than this means that time began anew, as when a recording
-    /// is played again: the map starts over.
-    double time_jump_back_s = 0.1;
+    double time_jump_back_s = 0.1;  ///< time began anew, as when a recording is played again
     LookMap::Config looks;
     Hold::Config hold;
 
@@ -68,11 +118,13 @@ class Mapper {
   [[nodiscard]] const IntegrationMap& map() const { return map_; }
   [[nodiscard]] const LookImage& looks() const { return looks_.image(); }
   /// What is held beside the map, in intervals.
-  [[nodiscard]] std::size_t held() const { return hold_.layer().size(); }
+  [[nodiscard]] std::size_t held() const { return hold_.held().size(); }
   /// The length of the window; nothing while the tilt period is not measured.
   [[nodiscard]] std::optional<Duration> window() const;
   [[nodiscard]] std::optional<Duration> tiltPeriod() const { return tilt_.period(); }
-  [[nodiscard]] std::size_t memoryBytes() const;
+  [[nodiscard]] std::size_t memoryBytes() const {
+    return map_.memoryBytes() + looks_.memoryBytes() + hold_.memoryBytes();
+  }
 
  private:
   [[nodiscard]] bool complete() const;

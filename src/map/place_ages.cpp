@@ -28,7 +28,7 @@ PlaceAges::PlaceAges(const IntegrationMap& map)
       known_(seen_.size(), 0),
       age_(seen_.size(), 0),
       words_((layers_ + kWord - 1) / kWord),
-      stamps_(map.scansMax() + 1) {
+      stamps_(map.config().scans_max + 1) {
   kept_.resize(grid_.cells() * words_, 0);
   around_.reserve(9);
 }
@@ -40,11 +40,6 @@ void PlaceAges::clear() {
   std::fill(kept_.begin(), kept_.end(), std::uint64_t{0});
   next_ = 0;
   due_ = 0.0;
-}
-
-std::size_t PlaceAges::memoryBytes() const {
-  return seen_.capacity() * sizeof(std::uint32_t) + known_.capacity() + age_.capacity() +
-         kept_.capacity() * sizeof(std::uint64_t) + stamps_.capacity() * sizeof(Time);
 }
 
 Vector3 PlaceAges::middleOf(const Place& place) const {

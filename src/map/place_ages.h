@@ -33,7 +33,9 @@ class PlaceAges {
   void apply(const IntegrationMap& map, CuboidMap& snapshot) const;
   /// Knows of no place.
   void clear();
-  [[nodiscard]] std::size_t memoryBytes() const;
+  [[nodiscard]] std::size_t memoryBytes() const {
+    return bytesOf(seen_, known_, age_, kept_, stamps_);
+  }
 
   /// The oldest that dyn tells; what is older is told so too.
   static constexpr std::uint32_t kWindowsMax = 127;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 
@@ -16,52 +17,91 @@ class TiltPeriod {
   struct Config {
     double hysteresis_rad = 0.05;
 
-    void describe(ParameterTable& table);
+    void describe(ParameterTable& table) {
+      table.add("tilt_hysteresis_rad", &hysteresis_rad, "rad", {1e-4, 1.0},
+                "the tilt has turned once it has come back by this");
+    }
   };
 
   /// @throws ConfigError
-  explicit TiltPeriod(const Config& config);
+  explicit TiltPeriod(const Config& config) : config_(validated(config)) {}
 
   /// @param tilt [rad], finite, at rising stamps.
   void add(Time stamp, double tilt);
-  void reset();
+  void reset() { *this = TiltPeriod(config_); }
 
   /// The longest of the last three periods between two highest and between two lowest points, so
   /// that one step back amid a stroke does not pass for a short period; nothing before the first
   /// full one.
-  [[nodiscard]] std::optional<Duration> period() const;
+  [[nodiscard]] std::optional<Duration> period() const {
+    const auto upper = highest_.period.get(), lower = lowest_.period.get();
+    if (!upper || !lower) return upper ? upper : lower;
+    return std::max(*upper, *lower);
+  }
 
   /// Whether the tilt goes on: it last turned not longer ago than its longest recent stroke and a
   /// quarter of a period. False before the first full period.
-  [[nodiscard]] bool isAlive(Time now) const;
+  [[nodiscard]] bool isAlive(Time now) const {
+    const auto whole = period(), stroke = stroke_.get();
+    return whole && stroke && now - *last_turn_ <= *stroke + *whole / 4;
+  }
 
  private:
   /// The longest of the last three durations.
   class Longest {
    public:
-    void add(Duration duration);
-    [[nodiscard]] std::optional<Duration> get() const;
+    void add(Duration duration) { last_[count_++ % last_.size()] = duration; }
+    [[nodiscard]] std::optional<Duration> get() const {
+      if (count_ == 0) return std::nullopt;
+      return *std::max_element(last_.data(), last_.data() + std::min(count_, last_.size()));
+    }
 
    private:
     std::array<Duration, 3> last_{};
     std::size_t count_ = 0;
   };
-  struct TurningPoints {
-    std::optional<Time> last;
-    Longest period;
+  /// The highest or lowest tilt since the last turning point, which may become one itself.
+  struct Extreme {
+    int sign;  ///< as direction_ on the way to it
+    std::optional<double> tilt = {};
+    Time stamp = {};
+    std::optional<Time> turned = {};  ///< the last such turning point
+    Longest period = {};
   };
-  void turn(Time stamp, TurningPoints& points);
+  /// Whether the tilt came back from an extreme, and is on its way to the other now.
+  bool turns(Extreme& from, Extreme& towards, Time stamp, double tilt);
 
   Config config_;
-  std::optional<double> highest_;  ///< since the last turning point
-  std::optional<double> lowest_;
-  Time highest_stamp_;
-  Time lowest_stamp_;
+  Extreme highest_{1};
+  Extreme lowest_{-1};
   int direction_ = 0;  ///< 1 rising, -1 falling, 0 not known yet
-  TurningPoints upper_;
-  TurningPoints lower_;
   std::optional<Time> last_turn_;
   Longest stroke_;
 };
+
+inline void TiltPeriod::add(Time stamp, double tilt) {
+  for (Extreme* extreme : {&highest_, &lowest_}) {
+    const bool is_beyond = !extreme->tilt || extreme->sign * (tilt - *extreme->tilt) >= 0.0;
+    if (!is_beyond) continue;
+    extreme->tilt = tilt;
+    extreme->stamp = stamp;
+  }
+  if (!turns(highest_, lowest_, stamp, tilt)) turns(lowest_, highest_, stamp, tilt);
+}
+
+inline bool TiltPeriod::turns(Extreme& from, Extreme& towards, Time stamp, double tilt) {
+  const bool is_back = from.sign * (*from.tilt - tilt) > config_.hysteresis_rad;
+  if (direction_ == towards.sign || !is_back) return false;
+  // Where the tilt was first seen is no turning point: it may have been halfway.
+  if (direction_ == from.sign) {
+    if (from.turned) from.period.add(from.stamp - *from.turned);
+    if (last_turn_) stroke_.add(from.stamp - *last_turn_);
+    from.turned = last_turn_ = from.stamp;
+  }
+  direction_ = towards.sign;
+  towards.tilt = tilt;
+  towards.stamp = stamp;
+  return true;
+}
 
 }  // namespace tccm

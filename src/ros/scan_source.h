@@ -11,7 +11,7 @@
 #include "monitor_config.h"
 #include "robot/joint_states.h"
 #include "ros/transform_history.h"
-#include "scan/projection.h"
+#include "scan/assembled_scan.h"
 #include "tccm_monitor/laser_scan.h"
 #include "tccm_monitor/pose.h"
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include "tccm_monitor/laser_scan.h"
@@ -34,5 +35,15 @@ struct AssembledScan {
   /// How many beams are of each kind, indexed by BeamKind.
   [[nodiscard]] BeamCounts counts() const;
 };
+
+/// Why a scan cannot be projected at all; empty where it can: no beams, more than max_beams, range
+/// limits or angles that are not finite or contradict each other, a negative time increment.
+[[nodiscard]] std::string defectOf(const LaserScan& scan, std::size_t max_beams);
+
+/// Projects each beam with the sensor's pose at that beam's own time and sorts it by REP 117 and
+/// the scan's range limits. Writes into result, whose capacity is reused.
+/// @return false, with result left without beams, where T_fixed_sensor does not cover the scan.
+[[nodiscard]] bool project(const LaserScan& scan, const PosePath& T_fixed_sensor,
+                           AssembledScan& result);
 
 }  // namespace tccm

@@ -1,10 +1,11 @@
 #include "scan/scan_assembler.h"
 
-#include "scan/projection.h"
-#include "tccm_monitor/config_error.h"
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/ray.h"
 
 namespace tccm {
-
 namespace {
 
 double unknownFraction(const AssembledScan& scan) {
@@ -14,9 +15,86 @@ double unknownFraction(const AssembledScan& scan) {
   return static_cast<double>(unknown) / static_cast<double>(scan.beams.size());
 }
 
+/// Squared distance from p to the ray's part up to length.
+double squaredDistance(const Ray& ray, double length, const Vector3& p) {
+  const double along = std::clamp((p - ray.origin).dot(ray.direction), 0.0, length);
+  return (ray.at(along) - p).squaredNorm();
+}
+
 }  // namespace
 
-void ScanAssembler::Config::describe(ParameterTable& table) {
+void MixedPixelFilter::describe(ParameterTable& table) {
+  table.add("mixed_pixel_separation_m", &separation_m, "m", {0.0, 10.0},
+            "a point further than this from both its neighbours in the scan is a mixed pixel; 0: "
+            "no filter");
+}
+
+void MixedPixelFilter::apply(AssembledScan& scan) const {
+  if (separation_m == 0.0) return;
+  bool near_previous = false;
+  for (std::size_t i = 0; i < scan.beams.size(); ++i) {
+    Beam& beam = scan.beams[i];
+    // A neighbour that was just found to be a mixed pixel still measured a point: the test is
+    // symmetric, and does not depend on the order of the beams.
+    const bool near_next = i + 1 < scan.beams.size() && beam.measured() &&
+                           scan.beams[i + 1].measured() &&
+                           (scan.beams[i + 1].p_fixed - beam.p_fixed).norm() <= separation_m;
+    if (beam.kind == BeamKind::kReturn && !near_previous && !near_next) {
+      beam.kind = BeamKind::kMixedPixel;
+    }
+    near_previous = near_next;
+  }
+}
+
+void BodyFilter::describe(ParameterTable& table) {
+  table.add("self_filter_range_tolerance_m", &range_tolerance_m, "m", {0.0, 1.0},
+            "points on a beam that met the body are its own so far before and behind it: five "
+            "times the range noise");
+  table.add("self_filter_grazing_m", &grazing_m, "m", {0.0, 1.0},
+            "a beam passing the body nearer than this grazes it; every millimetre hides real "
+            "obstacles beside the hand");
+  table.add("self_filter_shadow_depth_m", &shadow_depth_m, "m", {0.0, 100.0},
+            "so far behind a grazed edge points count as false");
+}
+
+void BodyFilter::apply(const std::vector<BodySample>& samples, AssembledScan& scan) const {
+  if (samples.empty()) return;
+  std::size_t nearest = 0;
+  for (Beam& beam : scan.beams) {
+    const auto gap = [&](std::size_t k) { return std::chrono::abs(samples[k].stamp - beam.stamp); };
+    while (nearest + 1 < samples.size() && gap(nearest + 1) <= gap(nearest)) ++nearest;
+    if (beam.kind == BeamKind::kReturn) beam.kind = classify(beam, samples[nearest].body);
+  }
+}
+
+BeamKind BodyFilter::classify(const Beam& beam, const Body& body) const {
+  const Vector3 sight = beam.p_fixed - beam.viewpoint;
+  const double range = sight.norm();
+  const Ray ray{beam.viewpoint, sight / range};
+  BeamKind kind = BeamKind::kReturn;
+  for (std::size_t i = 0; i < body.shapes.size(); ++i) {
+    const Shape& shape = body.shapes[i];
+    const Pose& pose = body.poses[i];
+    const double padding = body.paddings_m[i];
+    const double far = boundingRadius(shape) + std::max(padding, 2.0 * grazing_m);
+    if (squaredDistance(ray, range + range_tolerance_m, pose.translation()) > far * far) continue;
+    const Pose T_shape_fixed = pose.inverse();
+    if (distance(shape, T_shape_fixed * beam.p_fixed) <= padding) return BeamKind::kSelf;
+    if (distance(shape, T_shape_fixed * beam.viewpoint) == 0.0) continue;
+    const Ray ray_in_shape = transformed(ray, T_shape_fixed);
+    const auto own = intersect(expanded(shape, {1.0, padding}), ray_in_shape);
+    if (own && range >= own->enter - range_tolerance_m && range <= own->leave + range_tolerance_m) {
+      return BeamKind::kSelf;
+    }
+    const auto span = intersect(expanded(shape, {1.0, grazing_m}), ray_in_shape);
+    if (span && range >= span->enter && range <= span->leave + shadow_depth_m) {
+      kind = BeamKind::kShadow;
+    }
+  }
+  return kind;
+}
+
+void ScanAssembler::describe(ParameterTable& table) {
   table.add("scan_beams_max", &scan_beams_max, "beams", {1.0, 1e6}, "a scan with more is dropped");
   table.add("scan_unknown_fraction_max", &scan_unknown_fraction_max, "", {0.0, 1.0},
             "a scan with a larger share of beams that are NaN or too close is dropped: the sensor "
@@ -25,23 +103,18 @@ void ScanAssembler::Config::describe(ParameterTable& table) {
   body.describe(table);
 }
 
-ScanAssembler::ScanAssembler(const Config& config)
-    : config_(validated(config)),
-      mixed_pixel_filter_(config.mixed_pixel),
-      body_filter_(config.body) {}
-
 std::string ScanAssembler::assemble(const LaserScan& scan, const PosePath& T_fixed_sensor,
-                                    const std::vector<BodySample>& body,
+                                    const std::vector<BodySample>& samples,
                                     AssembledScan& result) const {
   result.beams.clear();
-  if (!defectOf(scan, config_.scan_beams_max).empty()) return "malformed";
+  if (!defectOf(scan, scan_beams_max).empty()) return "malformed";
   if (!project(scan, T_fixed_sensor, result)) return "no_transform";
-  if (unknownFraction(result) > config_.scan_unknown_fraction_max) {
+  if (unknownFraction(result) > scan_unknown_fraction_max) {
     result.beams.clear();
     return "blind";
   }
-  mixed_pixel_filter_.apply(result);
-  body_filter_.apply(body, result);
+  mixed_pixel.apply(result);
+  body.apply(samples, result);
   return {};
 }
 

@@ -33,7 +33,7 @@ void ScanStage::Config::describe(ParameterTable& table) {
 }
 
 ScanStage::ScanStage(const Config& config, std::shared_ptr<const RobotModel> model)
-    : config_(validated(config)), bare_model_(std::move(model)), assembler_(config.assembler) {
+    : config_(validated(config)), bare_model_(std::move(model)) {
   if (bare_model_ && config.self_filter) {
     body_ = std::make_unique<BodySampler>(bare_model_, config.body);
   }
@@ -75,7 +75,8 @@ std::string ScanStage::assemble(const LaserScan& scan, const PosePath& T_fixed_s
     std::string unknown = body_->sample(scan.stamp, scan.lastBeamTime(), T_fixed_roots);
     if (!unknown.empty()) return unknown;
   }
-  return assembler_.assemble(scan, T_fixed_sensor, body_ ? body_->samples() : kNobody, scan_);
+  return config_.assembler.assemble(scan, T_fixed_sensor, body_ ? body_->samples() : kNobody,
+                                    scan_);
 }
 
 }  // namespace tccm

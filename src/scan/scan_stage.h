@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "map/scan_returns.h"
 #include "robot/body_sampler.h"
 #include "scan/scan_assembler.h"
+#include "sight/look.h"
 
 namespace tccm {
 
@@ -20,7 +20,7 @@ class ScanStage {
   struct Config {
     bool self_filter = true;
     BodySampler::Config body;
-    ScanAssembler::Config assembler;
+    ScanAssembler assembler;
     double future_max_s = 0.1;
 
     void describe(ParameterTable& table);
@@ -55,7 +55,6 @@ class ScanStage {
   Config config_;
   std::shared_ptr<const RobotModel> bare_model_;  ///< with empty hands
   std::unique_ptr<BodySampler> body_;
-  ScanAssembler assembler_;
   AssembledScan scan_;
 };
 

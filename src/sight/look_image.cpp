@@ -14,10 +14,13 @@ constexpr double kNearest = 1e-3;  // [m]; what is this near has no direction
 constexpr double kNeighbours = 1.0;
 constexpr LookImage::Ticks kSameStroke = 100;  // [ms] between passes in neighbouring directions
 
+bool isClear(const LookImage::Pass& pass) {
+  return pass.end != Seen::kNever && pass.end != Seen::kUnclear;
+}
+
 /// Whether a pass saw the place itself; what the robot ends on hides all that is behind it.
 bool reached(const LookImage::Pass& pass, double range_m, double margin_m) {
-  if (pass.end == Seen::kNever || pass.end == Seen::kUnclear) return false;
-  return pass.range() >= (pass.end == Seen::kRobot ? range_m : range_m - margin_m);
+  return isClear(pass) && pass.range() >= (pass.end == Seen::kRobot ? range_m : range_m - margin_m);
 }
 
 double validated(double resolution_rad) {
@@ -63,8 +66,7 @@ LookImage::Sight LookImage::at(std::size_t pixel, double range_m, double margin_
 bool LookImage::reachedSince(Time since, std::size_t pixel, double range_m) const {
   const Passes& passes = passes_[pixel];
   return std::any_of(passes.begin(), passes.end(), [&](const Pass& pass) {
-    const bool is_clear = pass.end != Seen::kNever && pass.end != Seen::kUnclear;
-    return is_clear && timeOf(pass.first) > since && pass.range() >= range_m;
+    return isClear(pass) && timeOf(pass.first) > since && pass.range() >= range_m;
   });
 }
 
@@ -72,9 +74,8 @@ bool LookImage::inViewSince(Time since, const Vector3& p_fixed, double margin_m)
   const Vector3 sight = p_fixed - viewpoint_;
   const double range = sight.norm();
   if (!(range > kNearest)) return false;
-  const auto pixel = static_cast<int>(grid_.pixelOf(sight));
-  const int row = grid_.rowOfPixel(static_cast<std::size_t>(pixel));
-  const int column = pixel - row * grid_.columns();
+  const std::size_t pixel = grid_.pixelOf(sight);
+  const int row = grid_.rowOfPixel(pixel), column = grid_.columnOfPixel(pixel, row);
   if (row <= row_begin_ || row + 1 >= row_end_) return false;
   const auto reached = [&](int r, int c) {
     return reachedSince(since, grid_.index(r, grid_.wrapped(c)), range - margin_m);
@@ -84,9 +85,9 @@ bool LookImage::inViewSince(Time since, const Vector3& p_fixed, double margin_m)
 }
 
 Time LookImage::lookedAround(const Vector3& p_fixed, double angle) const {
-  const auto pixel = static_cast<int>(grid_.pixelOf(p_fixed - viewpoint_));
-  const int middle_row = grid_.rowOfPixel(static_cast<std::size_t>(pixel));
-  const int middle = pixel - middle_row * grid_.columns();
+  const std::size_t pixel = grid_.pixelOf(p_fixed - viewpoint_);
+  const int middle_row = grid_.rowOfPixel(pixel);
+  const int middle = grid_.columnOfPixel(pixel, middle_row);
   const int rows = static_cast<int>(std::ceil(angle / grid_.resolution()));
   Ticks newest = 0;
   for (int row = std::max(row_begin_, middle_row - rows);
@@ -105,9 +106,8 @@ void LookImage::visitSeen(const Vector3& p_fixed, double margin_m, Visit&& visit
   const Vector3 sight = p_fixed - viewpoint_;
   const double range = sight.norm();
   if (!(range > kNearest)) return;
-  const auto pixel = static_cast<int>(grid_.pixelOf(sight));
-  const int row = grid_.rowOfPixel(static_cast<std::size_t>(pixel));
-  const int column = pixel - row * grid_.columns();
+  const std::size_t pixel = grid_.pixelOf(sight);
+  const int row = grid_.rowOfPixel(pixel), column = grid_.columnOfPixel(pixel, row);
   const double along_least = range * std::cos(kNeighbours * grid_.resolution());
   const auto reachedWith = [&](const Pass& own, int r, int c) {
     if (r < row_begin_ || r >= row_end_) return false;
@@ -118,7 +118,7 @@ void LookImage::visitSeen(const Vector3& p_fixed, double margin_m, Visit&& visit
              own.first <= pass.last + kSameStroke;
     });
   };
-  for (const Pass& own : passes_[static_cast<std::size_t>(pixel)]) {
+  for (const Pass& own : passes_[pixel]) {
     if (own.end == Seen::kNever) return;
     const bool is_seen = reached(own, range, margin_m) || reachedWith(own, row, column - 1) ||
                          reachedWith(own, row, column + 1) || reachedWith(own, row - 1, column) ||

@@ -46,15 +46,11 @@ LookMap::LookMap(const Config& config)
     : config_(validated(config)),
       image_(config.resolution_rad),
       spread_cosine_(std::cos(config.spread_rad)),
-      rows_within_(static_cast<int>(std::ceil(config.spread_rad / image_.grid().resolution()))),
+      spread_(image_.grid().around(config.spread_rad)),
       pass_gap_(toTicks(fromSeconds(config.pass_gap_s))),
       aims_(image_.grid().pixels()),
       old_image_(config.resolution_rad),
-      old_aims_(image_.grid().pixels()) {
-  for (int row = 0; row < image_.grid().rows(); ++row) {
-    columns_within_.push_back(image_.grid().columnsWithin(row, config.spread_rad));
-  }
-}
+      old_aims_(image_.grid().pixels()) {}
 
 void LookMap::clear() {
   image_.clear();
@@ -106,20 +102,14 @@ template <typename Note>
 void LookMap::spread(const Beam& beam, Note&& note) const {
   const DirectionGrid& grid = image_.grid();
   const Vector3& d = beam.direction;
-  const int middle_row = grid.rowOfPixel(beam.pixel);
-  const int middle = static_cast<int>(beam.pixel) - middle_row * grid.columns();
-  const int first = std::max(0, middle_row - rows_within_);
-  const int last = std::min(grid.rows() - 1, middle_row + rows_within_);
-  for (int row = first; row <= last; ++row) {
-    const int reach = columns_within_[static_cast<std::size_t>(row)];
-    const double up = grid.sine(row) * d.z();
-    for (int c = middle - reach; c <= middle + reach; ++c) {
-      const int column = grid.wrapped(c);
-      const double cosine = up + grid.cosine(row) * grid.columnMiddle(column).dot(d.head<2>());
-      if (cosine < spread_cosine_) continue;
+  grid.visitAround(beam.pixel, spread_, [&](int row, int column) {
+    const double cosine =
+        grid.sine(row) * d.z() + grid.cosine(row) * grid.columnMiddle(column).dot(d.head<2>());
+    if (cosine >= spread_cosine_) {
       note(row, column, static_cast<float>(cosine - handicap(beam.pass.end)));
     }
-  }
+    return false;
+  });
 }
 
 void LookMap::note(const Beam& beam) {
@@ -174,10 +164,6 @@ void LookMap::noteAgain(int row, int column, std::size_t k, const Beam& beam, co
   pass = beam.pass;
   pass.moved = way > kElsewhere;
   best = {old.end, aim, old.stamp, old.viewpoint};
-}
-
-std::size_t LookMap::memoryBytes() const {
-  return 2 * (image_.memoryBytes() + aims_.capacity() * sizeof(Aims));
 }
 
 }  // namespace tccm

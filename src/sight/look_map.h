@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/bytes_of.h"
 #include "config/parameter_table.h"
 #include "sight/look.h"
 #include "tccm_monitor/look_image.h"
@@ -18,11 +19,9 @@ namespace tccm {
 class LookMap {
  public:
   struct Config {
-    double resolution_rad = 0.035;  ///< edge of a pixel
-    /// A beam speaks for the directions within this angle of it: at least half of what neighbouring
-    /// scans are apart.
+    double resolution_rad = 0.035;
     double spread_rad = 0.03;
-    double pass_gap_s = 0.1;  ///< looks in one direction that are further apart are two passes
+    double pass_gap_s = 0.1;
 
     void describe(ParameterTable& table);
   };
@@ -35,7 +34,9 @@ class LookMap {
   void clear();
 
   [[nodiscard]] const LookImage& image() const { return image_; }
-  [[nodiscard]] std::size_t memoryBytes() const;
+  [[nodiscard]] std::size_t memoryBytes() const {
+    return 2 * (image_.memoryBytes() + bytesOf(aims_));
+  }
 
  private:
   using Ticks = LookImage::Ticks;
@@ -68,8 +69,7 @@ class LookMap {
   Config config_;
   LookImage image_;
   double spread_cosine_;
-  int rows_within_;                  ///< of the spread
-  std::vector<int> columns_within_;  ///< by row
+  DirectionGrid::Around spread_;  ///< the pixels that a beam may speak for
   Ticks pass_gap_;
   std::vector<Aims> aims_;
   bool started_ = false;

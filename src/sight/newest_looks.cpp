@@ -20,42 +20,17 @@ NewestLooks::NewestLooks(double angle_rad, double outline_rad)
     : grid_(angle_rad),
       angle_(angle_rad),
       cosine_(std::cos(angle_rad)),
-      looking_(around(angle_rad, 1)),
-      beside_(around(outline_rad, static_cast<int>(std::ceil(outline_rad / grid_.resolution())))),
+      looking_(grid_.around(angle_rad)),
+      beside_(grid_.around(outline_rad)),
       lines_(grid_.pixels()),
-      outlines_(grid_.pixels()) {}
+      outlines_(grid_.pixels()) {
+  looking_.rows = 1;
+}
 
 void NewestLooks::clear() {
   std::fill(lines_.begin(), lines_.end(), Line());
   std::fill(outlines_.begin(), outlines_.end(), Outline());
   band_ = 1.0;
-}
-
-std::size_t NewestLooks::memoryBytes() const {
-  return lines_.capacity() * sizeof(Line) + outlines_.capacity() * sizeof(Outline);
-}
-
-NewestLooks::Around NewestLooks::around(double angle_rad, int rows) const {
-  Around around;
-  around.rows = rows;
-  for (int row = 0; row < grid_.rows(); ++row) {
-    around.columns.push_back(grid_.columnsWithin(row, angle_rad));
-  }
-  return around;
-}
-
-template <typename Visit>
-bool NewestLooks::visitAround(std::size_t pixel, const Around& around, Visit&& visit) const {
-  const int middle_row = grid_.rowOfPixel(pixel);
-  const int middle = static_cast<int>(pixel) - middle_row * grid_.columns();
-  const int last = std::min(grid_.rows() - 1, middle_row + around.rows);
-  for (int row = std::max(0, middle_row - around.rows); row <= last; ++row) {
-    const int reach = around.columns[static_cast<std::size_t>(row)];
-    for (int c = middle - reach; c <= middle + reach; ++c) {
-      if (visit(grid_.index(row, grid_.wrapped(c)))) return true;
-    }
-  }
-  return false;
 }
 
 void NewestLooks::enclose(const std::vector<Look>& looks) {
@@ -70,8 +45,7 @@ void NewestLooks::enclose(const std::vector<Look>& looks) {
   normal_.normalize();
   band_ = 0.0;
   for (std::size_t i = 0; i < looks.size(); ++i) {
-    const double along = std::abs(direction(i).dot(normal_));
-    if (along > band_) band_ = along;
+    band_ = std::max(band_, std::abs(direction(i).dot(normal_)));  // which passes over NaN
   }
 }
 
@@ -105,7 +79,8 @@ void NewestLooks::addOutlines(std::uint32_t serial, const std::vector<Look>& loo
 }
 
 void NewestLooks::addOutline(std::size_t pixel, float distance, std::uint32_t serial) {
-  visitAround(pixel, beside_, [&](std::size_t beside) {
+  grid_.visitAround(pixel, beside_, [&](int row, int column) {
+    const std::size_t beside = grid_.index(row, column);
     Outline& outline = outlines_[beside];
     if (outline.serial != serial || distance < outline.distance) outline = {distance, serial};
     // The scan lines just before passed as near by.
@@ -137,8 +112,8 @@ bool NewestLooks::sawSince(std::uint32_t serial, const Vector3& p_fixed, const V
                            double short_m) const {
   const Vector3 sight = p_fixed - viewpoint;
   if (!(sight.squaredNorm() > kNearest * kNearest)) return false;
-  return visitAround(grid_.pixelOf(sight), looking_, [&](std::size_t pixel) {
-    const Line& line = lines_[pixel];
+  return grid_.visitAround(grid_.pixelOf(sight), looking_, [&](int row, int column) {
+    const Line& line = lines_[grid_.index(row, column)];
     if (line.range < 0.0F || !isAfter(line.serial, serial)) return false;
     const Eigen::Vector3f to_place = p_fixed.cast<float>() - line.viewpoint;
     const double along = static_cast<double>(to_place.dot(line.direction));

@@ -4,6 +4,7 @@
 #include <limits>
 #include <vector>
 
+#include "base/bytes_of.h"
 #include "sight/look.h"
 #include "tccm_monitor/direction_grid.h"
 
@@ -35,7 +36,7 @@ class NewestLooks {
   [[nodiscard]] bool sawLast(const Vector3& p_fixed, const Vector3& viewpoint,
                              double short_m) const;
   void clear();
-  [[nodiscard]] std::size_t memoryBytes() const;
+  [[nodiscard]] std::size_t memoryBytes() const { return bytesOf(lines_, outlines_); }
 
  private:
   static constexpr float kNone = std::numeric_limits<float>::max();
@@ -51,15 +52,6 @@ class NewestLooks {
     float distance = kNone;
     std::uint32_t serial = 0;
   };
-  /// What the pixels around one are.
-  struct Around {
-    int rows = 0;              ///< above and below
-    std::vector<int> columns;  ///< to either side, by row
-  };
-  [[nodiscard]] Around around(double angle_rad, int rows) const;
-  /// Calls visit (pixel) until it says that it has seen enough. @return whether it did.
-  template <typename Visit>
-  bool visitAround(std::size_t pixel, const Around& around, Visit&& visit) const;
   void addOutlines(std::uint32_t serial, const std::vector<Look>& looks);
   void addOutline(std::size_t pixel, float distance, std::uint32_t serial);
   void addLines(std::uint32_t serial, const std::vector<Look>& looks, std::uint32_t outline_scans);
@@ -72,8 +64,8 @@ class NewestLooks {
   // The last scan's directions lie near a plane: those along normal_ are at most this long.
   Vector3 normal_ = Vector3::Zero();
   double band_ = 1.0;
-  Around looking_;  ///< at a place
-  Around beside_;   ///< the robot
+  DirectionGrid::Around looking_;  ///< at a place: a pixel is as large as the angle
+  DirectionGrid::Around beside_;   ///< the robot
   std::vector<Line> lines_;
   std::vector<Outline> outlines_;
 };

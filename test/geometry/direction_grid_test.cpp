@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "support/random.h"
 
@@ -63,6 +64,26 @@ TEST(DirectionGridTest, NoDirectionWithinAnAngleIsMoreColumnsAway) {
       ASSERT_LE(std::min(apart, grid.columns() - apart), grid.columnsWithin(row, angle))
           << d.transpose() << " and " << other.transpose();
     }
+  }
+}
+
+TEST(DirectionGridTest, AroundAPixelAreAllWhoseMiddlesAreWithinTheAngle) {
+  const DirectionGrid grid(0.1);
+  const double angle = 0.25;
+  const DirectionGrid::Around around = grid.around(angle);
+  for (std::size_t pixel = 0; pixel < grid.pixels(); pixel += 7) {
+    std::vector<bool> visited(grid.pixels(), false);
+    EXPECT_FALSE(grid.visitAround(pixel, around, [&](int row, int column) {
+      visited[grid.index(row, column)] = true;
+      return false;
+    }));
+    for (std::size_t other = 0; other < grid.pixels(); ++other) {
+      const double cosine = grid.middle(pixel).dot(grid.middle(other));
+      ASSERT_TRUE(visited[other] || cosine < std::cos(angle)) << pixel << ' ' << other;
+    }
+    int visits = 0;
+    EXPECT_TRUE(grid.visitAround(pixel, around, [&](int, int) { return ++visits == 2; }));
+    EXPECT_EQ(visits, 2);
   }
 }
 

@@ -26,15 +26,17 @@ Pose turnedAboutZ(double angle, const Vector3& translation) {
 TEST(PoseTest, InterpolationIsLinearInPlaceAndSphericalInRotation) {
   const Pose from = turnedAboutZ(0.2, {1.0, 2.0, 3.0});
   const Pose to = turnedAboutZ(1.2, {2.0, 0.0, 3.5});
-  EXPECT_TRUE(isNearly(interpolate(from, to, 0.0), from, 1e-12));
-  EXPECT_TRUE(isNearly(interpolate(from, to, 1.0), to, 1e-12));
-  EXPECT_TRUE(isNearly(interpolate(from, to, 0.25), turnedAboutZ(0.45, {1.25, 1.5, 3.125}), 1e-12));
+  EXPECT_TRUE(isNearly(Interpolation(from, to).at(0.0), from, 1e-12));
+  EXPECT_TRUE(isNearly(Interpolation(from, to).at(1.0), to, 1e-12));
+  EXPECT_TRUE(
+      isNearly(Interpolation(from, to).at(0.25), turnedAboutZ(0.45, {1.25, 1.5, 3.125}), 1e-12));
 }
 
 TEST(PoseTest, InterpolationTakesTheShorterWayRound) {
   const Pose from = turnedAboutZ(3.0, Vector3::Zero());
   const Pose to = turnedAboutZ(-3.0, Vector3::Zero());
-  EXPECT_TRUE(isNearly(interpolate(from, to, 0.5), turnedAboutZ(M_PI, Vector3::Zero()), 1e-12));
+  EXPECT_TRUE(
+      isNearly(Interpolation(from, to).at(0.5), turnedAboutZ(M_PI, Vector3::Zero()), 1e-12));
 }
 
 TEST(PoseTest, InterpolationOfRandomPosesStaysRigidAndTurnsEvenly) {
@@ -42,7 +44,7 @@ TEST(PoseTest, InterpolationOfRandomPosesStaysRigidAndTurnsEvenly) {
   for (int i = 0; i < 2000; ++i) {
     const Pose from = random.pose(2.0), to = random.pose(2.0);
     const double u = random.uniform(0.0, 1.0);
-    const Pose between = interpolate(from, to, u);
+    const Pose between = Interpolation(from, to).at(u);
     ASSERT_TRUE(isRigid(between));
     const double whole =
         Eigen::Quaterniond(from.linear()).angularDistance(Eigen::Quaterniond(to.linear()));
@@ -65,7 +67,7 @@ TEST(PoseTest, RotationsAreInterpolatedAsByEigen) {
     Pose expected = Pose::Identity();
     expected.linear() = q_from.slerp(u, q_to).toRotationMatrix();
     expected.translation() = (1.0 - u) * from.translation() + u * to.translation();
-    ASSERT_TRUE(isNearly(interpolate(from, to, u), expected, 1e-12)) << angle << ' ' << u;
+    ASSERT_TRUE(isNearly(Interpolation(from, to).at(u), expected, 1e-12)) << angle << ' ' << u;
   }
 }
 
@@ -151,7 +153,8 @@ TEST(PosePathTest, AnswersDoNotDependOnTheOrderOfQuestions) {
     ASSERT_TRUE(pose);
     ASSERT_TRUE(isNearly(
         *pose,
-        interpolate(poses[static_cast<std::size_t>(i)], poses[static_cast<std::size_t>(i) + 1], u),
+        Interpolation(poses[static_cast<std::size_t>(i)], poses[static_cast<std::size_t>(i) + 1])
+            .at(u),
         1e-6));
   }
 }

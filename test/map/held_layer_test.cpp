@@ -33,7 +33,7 @@ using Rows = std::vector<std::array<int, 3>>;
 
 TEST(HeldLayerTest, WhatIsHeldIsListedByCellFromLowToHigh) {
   HeldLayer layer(10, 8);
-  EXPECT_TRUE(layer.empty());
+  EXPECT_TRUE(layer.intervals().empty());
   for (const auto& i : {interval(7, 10, 20), interval(2, 50, 60), interval(2, 10, 20)}) {
     EXPECT_TRUE(layer.hold(i));
   }
@@ -60,7 +60,7 @@ TEST(HeldLayerTest, WhatIsReleasedIsGone) {
   layer.releaseIf([](const HeldLayer::Interval& i) { return i.heights.bottom == 20; });
   EXPECT_EQ(rows(layer), (Rows{{1, 0, 10}, {1, 40, 50}}));
   layer.clear();
-  EXPECT_TRUE(layer.empty());
+  EXPECT_TRUE(layer.intervals().empty());
   EXPECT_TRUE(layer.seen(1, {0, 100}));
 }
 
@@ -70,7 +70,7 @@ TEST(HeldLayerTest, WhereThereIsNoRoomItSaysSo) {
   EXPECT_TRUE(layer.hold(interval(2, 0, 100)));
   EXPECT_FALSE(layer.hold(interval(3, 0, 100)));
   EXPECT_FALSE(layer.seen(1, {40, 60})) << "one of two pieces has no room";
-  EXPECT_EQ(layer.size(), 2U);
+  EXPECT_EQ(layer.intervals().size(), 2U);
 }
 
 TEST(HeldLayerTest, RandomCutsLeaveTheHeightsThatWereNotSeen) {

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "ros/conversions.h"
-#include "scan/projection.h"
+#include "scan/assembled_scan.h"
 
 namespace tccm {
 namespace {

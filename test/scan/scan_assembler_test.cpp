@@ -49,7 +49,7 @@ std::vector<K> kindsOf(const AssembledScan& scan) {
 
 TEST(ScanAssemblerTest, ProjectsThenRemovesMixedPixelsThenTheRobot) {
   AssembledScan result;
-  ASSERT_EQ(ScanAssembler({}).assemble(scanAlongX(), stillPath(9.0, 11.0), ballInFront(), result),
+  ASSERT_EQ(ScanAssembler{}.assemble(scanAlongX(), stillPath(9.0, 11.0), ballInFront(), result),
             "");
   EXPECT_EQ(kindsOf(result),
             (std::vector<K>{K::kReturn, K::kReturn, K::kReturn, K::kMixedPixel, K::kReturn,
@@ -58,7 +58,7 @@ TEST(ScanAssemblerTest, ProjectsThenRemovesMixedPixelsThenTheRobot) {
 }
 
 TEST(ScanAssemblerTest, ADeeperShadowTakesThePointsBehindTheRobot) {
-  ScanAssembler::Config config;
+  ScanAssembler config;
   config.body.shadow_depth_m = 0.6;
   AssembledScan result;
   ASSERT_EQ(
@@ -71,7 +71,7 @@ TEST(ScanAssemblerTest, ADeeperShadowTakesThePointsBehindTheRobot) {
 
 TEST(ScanAssemblerTest, WithoutABodyNothingIsTakenForTheRobot) {
   AssembledScan result;
-  ASSERT_EQ(ScanAssembler({}).assemble(scanAlongX(), stillPath(9.0, 11.0), {}, result), "");
+  ASSERT_EQ(ScanAssembler{}.assemble(scanAlongX(), stillPath(9.0, 11.0), {}, result), "");
   EXPECT_EQ(result.counts()[static_cast<std::size_t>(K::kReturn)], 7U);
 }
 
@@ -80,13 +80,13 @@ TEST(ScanAssemblerTest, ADefectiveScanIsDroppedWithItsReason) {
   scan.range_max = std::numeric_limits<double>::quiet_NaN();
   AssembledScan result;
   result.beams.resize(5);
-  const std::string reason = ScanAssembler({}).assemble(scan, stillPath(9.0, 11.0), {}, result);
+  const std::string reason = ScanAssembler{}.assemble(scan, stillPath(9.0, 11.0), {}, result);
   EXPECT_EQ(reason, "malformed");
   EXPECT_TRUE(result.beams.empty());
 }
 
 TEST(ScanAssemblerTest, MoreBeamsThanConfiguredAreDropped) {
-  ScanAssembler::Config config;
+  ScanAssembler config;
   config.scan_beams_max = 8;
   AssembledScan result;
   EXPECT_NE(ScanAssembler(config).assemble(scanAlongX(), stillPath(9.0, 11.0), {}, result), "");
@@ -96,7 +96,7 @@ TEST(ScanAssemblerTest, MoreBeamsThanConfiguredAreDropped) {
 TEST(ScanAssemblerTest, AScanWhoseLastBeamThePosesDoNotCoverIsDroppedWithItsReason) {
   AssembledScan result;
   result.beams.resize(5);
-  const ScanAssembler assembler({});
+  const ScanAssembler assembler;
   EXPECT_EQ(assembler.assemble(scanAlongX(), stillPath(9.0, 10.008), {}, result), "");
   EXPECT_EQ(assembler.assemble(scanAlongX(), stillPath(9.0, 10.0079), {}, result), "no_transform");
   EXPECT_TRUE(result.beams.empty());
@@ -108,20 +108,20 @@ TEST(ScanAssemblerTest, ABlindSensorsScanDoesNotPassForOneThatSawNothing) {
   LaserScan scan = scanAlongX();
   AssembledScan result;
   scan.ranges.assign(20, infinity);
-  EXPECT_EQ(ScanAssembler({}).assemble(scan, stillPath(9.0, 11.0), {}, result), "");
+  EXPECT_EQ(ScanAssembler{}.assemble(scan, stillPath(9.0, 11.0), {}, result), "");
   for (const float blind : {nan, -infinity, 0.0F}) {
     scan.ranges.assign(20, blind);
     scan.ranges[3] = infinity;
-    EXPECT_EQ(ScanAssembler({}).assemble(scan, stillPath(9.0, 11.0), {}, result), "blind") << blind;
+    EXPECT_EQ(ScanAssembler{}.assemble(scan, stillPath(9.0, 11.0), {}, result), "blind") << blind;
     EXPECT_TRUE(result.beams.empty());
     scan.ranges[4] = infinity;  // 18 of 20 are 0.9
-    EXPECT_EQ(ScanAssembler({}).assemble(scan, stillPath(9.0, 11.0), {}, result), "") << blind;
+    EXPECT_EQ(ScanAssembler{}.assemble(scan, stillPath(9.0, 11.0), {}, result), "") << blind;
   }
 }
 
 TEST(ScanAssemblerTest, AResultIsReusedFromScanToScan) {
   AssembledScan result;
-  const ScanAssembler assembler({});
+  const ScanAssembler assembler;
   ASSERT_EQ(assembler.assemble(scanAlongX(), stillPath(9.0, 11.0), ballInFront(), result), "");
   const std::vector<K> first = kindsOf(result);
   ASSERT_EQ(assembler.assemble(scanAlongX(), stillPath(9.0, 11.0), ballInFront(), result), "");
@@ -129,15 +129,15 @@ TEST(ScanAssemblerTest, AResultIsReusedFromScanToScan) {
 }
 
 TEST(ScanAssemblerTest, ABadConfigurationOfAnyStageIsRefused) {
-  ScanAssembler::Config config;
+  ScanAssembler config;
   config.scan_beams_max = 0;
-  EXPECT_THROW(ScanAssembler{config}, ConfigError);
+  EXPECT_THROW(validated(config), ConfigError);
   config = {};
   config.mixed_pixel.separation_m = -1.0;
-  EXPECT_THROW(ScanAssembler{config}, ConfigError);
+  EXPECT_THROW(validated(config), ConfigError);
   config = {};
   config.body.grazing_m = -1.0;
-  EXPECT_THROW(ScanAssembler{config}, ConfigError);
+  EXPECT_THROW(validated(config), ConfigError);
 }
 
 }  // namespace

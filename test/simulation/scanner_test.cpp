@@ -91,7 +91,7 @@ double rangeByAll(const std::vector<Snapshot>& snapshots, Time stamp, double azi
   const double u =
       toSeconds(stamp - snapshots[0].stamp) / toSeconds(snapshots[1].stamp - snapshots[0].stamp);
   const Pose T_fixed_sensor =
-      interpolate(snapshots[0].T_fixed_sensor, snapshots[1].T_fixed_sensor, u);
+      Interpolation(snapshots[0].T_fixed_sensor, snapshots[1].T_fixed_sensor).at(u);
   const Ray ray{T_fixed_sensor.translation(),
                 T_fixed_sensor.linear() * Vector3(std::cos(azimuth), std::sin(azimuth), 0.0)};
   const Body& targets = snapshots[u <= 0.5 ? 0 : 1].targets;

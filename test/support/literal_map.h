@@ -6,7 +6,7 @@
 #include <map>
 #include <vector>
 
-#include "map/part_map_ring.h"
+#include "map/window_returns.h"
 
 namespace tccm::test {
 

@@ -6,7 +6,7 @@
 #include <ostream>
 #include <vector>
 
-#include "map/part_map_ring.h"
+#include "map/window_returns.h"
 #include "tccm_monitor/cuboid_map.h"
 
 namespace tccm::test {

@@ -1,5 +1,3 @@
-#include "scan/projection.h"
-
 #include <gtest/gtest.h>
 #include <laser_geometry/laser_geometry.h>
 #include <sensor_msgs/point_cloud2_iterator.h>
@@ -8,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "scan/assembled_scan.h"
 #include "support/near.h"
 #include "support/random.h"
 

@@ -1,11 +1,10 @@
-#include "scan/body_filter.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <limits>
 #include <utility>
 
+#include "scan/scan_assembler.h"
 #include "support/random.h"
 #include "tccm_monitor/config_error.h"
 
@@ -44,16 +43,16 @@ Beam beamTo(const Vector3& p, double seconds = 0.0) {
 }
 
 std::vector<K> kindsOf(const std::vector<BodySample>& samples, std::vector<Beam> beams,
-                       const BodyFilter::Config& config = {}) {
+                       const BodyFilter& config = {}) {
   AssembledScan scan;
   scan.beams = std::move(beams);
-  BodyFilter(config).apply(samples, scan);
+  config.apply(samples, scan);
   std::vector<K> kinds;
   for (const Beam& beam : scan.beams) kinds.push_back(beam.kind);
   return kinds;
 }
 
-K kindOf(const BodySample& sample, const Vector3& p, const BodyFilter::Config& config = {}) {
+K kindOf(const BodySample& sample, const Vector3& p, const BodyFilter& config = {}) {
   return kindsOf({sample}, {beamTo(p)}, config).front();
 }
 
@@ -78,7 +77,7 @@ TEST(BodyFilterTest, NoiseMovesOnesOwnPointsAlongTheBeamAndNotAside) {
   EXPECT_EQ(kindOf(kBall, {1.171, 0.0, 0.0}), K::kShadow);
   EXPECT_EQ(kindOf(kBall, passing(kRadius + 0.019, 0.95)), K::kSelf);
   EXPECT_EQ(kindOf(kBall, passing(kRadius + 0.021, 0.95)), K::kReturn);
-  BodyFilter::Config exact;
+  BodyFilter exact;
   exact.range_tolerance_m = 0.0;
   EXPECT_EQ(kindOf(kBall, {0.881, 0.0, 0.0}, exact), K::kSelf);
   EXPECT_EQ(kindOf(kBall, {0.879, 0.0, 0.0}, exact), K::kReturn);
@@ -98,7 +97,7 @@ TEST(BodyFilterTest, TheShadowReachesItsDepthBehindTheBodyAndNoFurther) {
 TEST(BodyFilterTest, ABeamThatGrazesTheEdgeIsShadowedAndOnePastTheGrazingRadiusIsNot) {
   EXPECT_EQ(kindOf(kBall, passing(kRadius + 0.009, 1.25)), K::kShadow);
   EXPECT_EQ(kindOf(kBall, passing(kRadius + 0.011, 1.25)), K::kReturn);
-  BodyFilter::Config wide;
+  BodyFilter wide;
   wide.grazing_m = 0.04;
   EXPECT_EQ(kindOf(kBall, passing(kRadius + 0.039, 1.25), wide), K::kShadow);
   EXPECT_EQ(kindOf(kBall, passing(kRadius + 0.041, 1.25), wide), K::kReturn);
@@ -112,7 +111,7 @@ TEST(BodyFilterTest, ARealObstacleBesideTheHandIsKept) {
 }
 
 TEST(BodyFilterTest, WithoutToleranceAndShadowOnlyTheBodyItselfIsRemoved) {
-  BodyFilter::Config config;
+  BodyFilter config;
   config.range_tolerance_m = 0.0;
   config.grazing_m = 0.0;
   config.shadow_depth_m = 0.0;
@@ -152,7 +151,7 @@ TEST(BodyFilterTest, EachShapeHasAPaddingOfItsOwn) {
                         {{Sphere{kRadius}, Sphere{kRadius}},
                          {at(kAway, 0.0, 0.0), at(kAway, 1.0, 0.0)},
                          {0.01, 0.2}}};
-  BodyFilter::Config exact;
+  BodyFilter exact;
   exact.range_tolerance_m = 0.0;
   EXPECT_EQ(kindOf(body, {0.895, 0.0, 0.0}, exact), K::kSelf);
   EXPECT_EQ(kindOf(body, {0.885, 0.0, 0.0}, exact), K::kReturn);
@@ -186,8 +185,7 @@ std::pair<double, double> marched(const Shape& shape, const Pose& T_shape_fixed,
 }
 
 /// Inside or near by distance; its own along the beam and shadowed by marching.
-K byMarching(const Shape& shape, const Pose& pose, const Vector3& p,
-             const BodyFilter::Config& config) {
+K byMarching(const Shape& shape, const Pose& pose, const Vector3& p, const BodyFilter& config) {
   const Pose T_shape_fixed = pose.inverse();
   if (distance(shape, T_shape_fixed * p) <= kPadding) return K::kSelf;
   if (distance(shape, T_shape_fixed * Vector3::Zero()) == 0.0) return K::kReturn;
@@ -223,12 +221,11 @@ TEST(BodyFilterTest, RandomBodiesAgreeWithMarchingAlongTheBeam) {
 TEST(BodyFilterTest, NegativeAndNaNConfigurationsAreRefused) {
   for (const double bad :
        {-0.01, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
-    for (double BodyFilter::Config::*key :
-         {&BodyFilter::Config::range_tolerance_m, &BodyFilter::Config::grazing_m,
-          &BodyFilter::Config::shadow_depth_m}) {
-      BodyFilter::Config config;
+    for (double BodyFilter::*key :
+         {&BodyFilter::range_tolerance_m, &BodyFilter::grazing_m, &BodyFilter::shadow_depth_m}) {
+      BodyFilter config;
       config.*key = bad;
-      EXPECT_THROW(BodyFilter{config}, ConfigError);
+      EXPECT_THROW(validated(config), ConfigError);
     }
   }
 }

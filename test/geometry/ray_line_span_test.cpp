@@ -1,7 +1,6 @@
-#include "geometry/line_span.h"
-
 #include <gtest/gtest.h>
 
+#include "geometry/ray.h"
 #include "support/random.h"
 
 namespace tccm {

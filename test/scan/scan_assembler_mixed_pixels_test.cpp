@@ -1,10 +1,9 @@
-#include "scan/mixed_pixel_filter.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <limits>
 
+#include "scan/scan_assembler.h"
 #include "support/random.h"
 #include "tccm_monitor/config_error.h"
 
@@ -28,7 +27,7 @@ AssembledScan scanAt(std::initializer_list<double> xs) {
 }
 
 std::vector<K> kindsAfter(AssembledScan scan, double separation_m = 0.06) {
-  MixedPixelFilter({separation_m}).apply(scan);
+  MixedPixelFilter{separation_m}.apply(scan);
   std::vector<K> kinds;
   for (const Beam& beam : scan.beams) kinds.push_back(beam.kind);
   return kinds;
@@ -107,7 +106,7 @@ TEST(MixedPixelFilterTest, RandomScansAreJudgedBeamByBeamInEitherOrder) {
 TEST(MixedPixelFilterTest, BadSeparationsAreRefusedByName) {
   for (const double bad :
        {-0.01, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
-    EXPECT_THROW(MixedPixelFilter({bad}), ConfigError);
+    EXPECT_THROW(validated(MixedPixelFilter{bad}), ConfigError);
   }
 }
 

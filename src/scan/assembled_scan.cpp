@@ -1,4 +1,4 @@
-#include "scan/projection.h"
+#include "scan/assembled_scan.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,25 +1,25 @@
 #pragma once
 
 #include <algorithm>
+#include <cassert>
 #include <cstdint>
 #include <vector>
 
+#include "base/bytes_of.h"
 #include "tccm_monitor/cuboid_map.h"
 #include "tccm_monitor/time.h"
 
 namespace tccm {
 
-/// One return of a part map: the cell it fell into and its height.
-struct MappedReturn {
-  CellIndex cell;
-  Height height;
-};
+/// One return of a part map.
+using MappedReturn = Grid::Place;
 
 /// The part maps of the window's scans, oldest first, in memory that is allocated once: for each
 /// scan its stamp and the returns it brought, also where it brought none.
 class PartMapRing {
  public:
-  PartMapRing(std::size_t scans_max, std::size_t returns_max);
+  PartMapRing(std::size_t scans_max, std::size_t returns_max)
+      : parts_(scans_max), returns_(returns_max) {}
 
   [[nodiscard]] bool full() const { return scans_ == parts_.size(); }
   [[nodiscard]] std::size_t scans() const { return scans_; }
@@ -28,11 +28,14 @@ class PartMapRing {
   [[nodiscard]] std::uint32_t oldestSerial() const { return parts_[oldest_].serial; }
 
   /// Begins the newest part map. @pre !full()
-  void begin(std::uint32_t serial, Time stamp);
-  [[nodiscard]] bool hasRoom() const { return used_ < returns_.size(); }
+  void begin(std::uint32_t serial, Time stamp) {
+    assert(!full());
+    newest_ = (oldest_ + scans_++) % parts_.size();
+    parts_[newest_] = Part{serial, stamp, next_, 0};
+  }
   /// For so many more returns.
   [[nodiscard]] std::size_t room() const { return returns_.size() - used_; }
-  /// Adds to the newest part map. @pre hasRoom() and scans() > 0
+  /// Adds to the newest part map. @pre room() > 0 and scans() > 0
   void add(const MappedReturn& entry) {
     returns_[next_] = entry;
     next_ = after(next_);
@@ -82,16 +85,13 @@ class PartMapRing {
   void visitNewestFirst(Visit&& visit) const {
     for (std::size_t i = scans_; i > 0; --i) {
       const Part& part = parts_[(oldest_ + i - 1) % parts_.size()];
-      std::size_t from = part.begin;
-      for (std::size_t k = 0; k < part.count; ++k, from = after(from)) {
-        visit(returns_[from], part.serial);
-      }
+      visitPart(part, [&](const MappedReturn& entry) { visit(entry, part.serial); });
     }
   }
   /// Of all part maps.
   [[nodiscard]] std::size_t returns() const { return used_; }
-  void clear();
-  [[nodiscard]] std::size_t memoryBytes() const;
+  void clear() { oldest_ = scans_ = next_ = used_ = 0; }
+  [[nodiscard]] std::size_t memoryBytes() const { return bytesOf(parts_, returns_); }
 
  private:
   struct Part {
@@ -118,6 +118,58 @@ class PartMapRing {
   std::size_t scans_ = 0;
   std::size_t next_ = 0;  ///< where the next return goes
   std::size_t used_ = 0;
+};
+
+/// How many of the window's returns lie in each layer of each cell: a dense array of counters, so
+/// that adding and removing a return cost the same however long the window is. Carving leaves no
+/// trace here: a return counts until its scan leaves the window.
+class ReturnCounts {
+ public:
+  /// @param layer thickness of a layer in quanta, at least 1.
+  ReturnCounts(const Grid& grid, Height layer)
+      : lowest_(grid.heightFloor(grid.config().height_min_m)), layer_(layer) {
+    assert(layer >= 1);
+    const int heights = grid.heightCeil(grid.config().height_max_m) - lowest_ + 1;
+    layer_of_.reserve(static_cast<std::size_t>(heights));
+    for (int i = 0; i < heights; ++i) layer_of_.push_back(static_cast<std::uint16_t>(i / layer));
+    layers_ = layer_of_.back() + std::size_t{1};
+    counts_.resize(grid.cells() * layers_, 0);
+  }
+
+  void add(CellIndex cell, Height height) { ++counts_[index(cell, height)]; }
+  void remove(CellIndex cell, Height height) { --counts_[index(cell, height)]; }
+  void clear() { std::fill(counts_.begin(), counts_.end(), 0U); }
+
+  /// The returns in all layers from that of `low` to that of `high`, both included.
+  [[nodiscard]] std::uint32_t sum(CellIndex cell, Height low, Height high) const {
+    std::uint32_t total = 0;
+    const std::size_t last = index(cell, high);
+    for (std::size_t i = index(cell, low); i <= last; ++i) total += counts_[i];
+    return total;
+  }
+  /// Those in one layer; layers count from the lowest up.
+  [[nodiscard]] std::uint32_t at(CellIndex cell, std::size_t layer) const {
+    return counts_[cell * layers_ + layer];
+  }
+  /// @param height inside the grid's limits.
+  [[nodiscard]] std::size_t layerOf(Height height) const {
+    return layer_of_[static_cast<std::size_t>(height - lowest_)];
+  }
+  [[nodiscard]] std::size_t layers() const { return layers_; }
+  /// The thickness of one.
+  [[nodiscard]] Height layer() const { return layer_; }
+  [[nodiscard]] std::size_t memoryBytes() const { return bytesOf(counts_, layer_of_); }
+
+ private:
+  [[nodiscard]] std::size_t index(CellIndex cell, Height height) const {
+    return cell * layers_ + layerOf(height);
+  }
+
+  Height lowest_;
+  Height layer_;
+  std::size_t layers_;
+  std::vector<std::uint16_t> layer_of_;  ///< by quanta above the lowest: saves a division a return
+  std::vector<std::uint32_t> counts_;
 };
 
 }  // namespace tccm
