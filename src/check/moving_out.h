@@ -6,7 +6,6 @@
 
 #include "check/checked_robot.h"
 #include "robot/joint_path.h"
-#include "robot/motion_bound.h"
 
 namespace tccm {
 
