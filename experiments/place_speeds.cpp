@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "robot/kinematics.h"
-#include "robot/link_selector.h"
+#include "robot/link_use.h"
 #include "simulation/robot/dual_arm.h"
 #include "tccm_monitor/config_error.h"
 

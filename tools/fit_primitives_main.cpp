@@ -9,7 +9,7 @@
 #include "fit/primitives_file.h"
 #include "fit_table.h"
 #include "link_primitives.h"
-#include "mesh/mesh_file.h"
+#include "mesh/mesh.h"
 #include "monitor_config.h"
 #include "program.h"
 #include "robot/kinematics.h"

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cctype>
+#include <cstdio>
 #include <iostream>
 #include <string>
 
@@ -9,6 +10,33 @@
 
 namespace tccm {
 namespace {
+
+std::string numberText(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.15g", value);
+  return text;
+}
+
+std::string rangeText(const ParameterTable::Row& row) {
+  if (row.range.highest == Range().highest) return "";
+  return numberText(row.range.lowest) + " to " + numberText(row.range.highest);
+}
+
+/// A section of the page: a row for each parameter.
+std::string markdownOf(const ParameterTable& table) {
+  std::string text =
+      "| parameter | default | unit | range | tunable | meaning |\n"
+      "|---|---|---|---|---|---|\n";
+  for (const ParameterTable::Row& row : table.rows()) {
+    text += "| `" + row.key + "` | `" + textOf(row.member) + "` | " + row.unit + " | " +
+            rangeText(row) + " | " + (row.tunable == Tunable::kYes ? "yes" : "") + " | " +
+            row.meaning + " |\n";
+  }
+  for (const ParameterTable::List& list : table.lists()) {
+    text += "| `" + list.key + "` | `[]` | | | | " + list.meaning + " |\n";
+  }
+  return text;
+}
 
 std::string defaultYaml() {
   std::string text =
@@ -39,7 +67,7 @@ This page is generated from the tables in the code by scripts/generate_parameter
       [&](const std::string& name, auto& section, const std::string& meaning) {
         text += "\n## " + name + "\n\n";
         text += static_cast<char>(std::toupper(static_cast<unsigned char>(meaning.front())));
-        text += meaning.substr(1) + ".\n\n" + tableOf(section).markdown();
+        text += meaning.substr(1) + ".\n\n" + markdownOf(tableOf(section));
       });
   return text;
 }

@@ -119,26 +119,19 @@ struct RobotResources {
 /// of its own, which transforms have to place, as they place the robot's root.
 class RobotModel {
  public:
-  struct Config {
-    /// Names for lists of links, to be used in all other lists.
+  struct Config {  ///< describe() says what each means
     std::map<std::string, std::vector<std::string>> link_groups;
-    /// Empty: every link that has a shape.
     std::vector<std::string> monitored_links;
-    std::vector<std::string> ignored_links;  ///< taken out again
-    /// Links whose cylinders are to be capsules: the same straight part, round ends on top.
+    std::vector<std::string> ignored_links;
     std::vector<std::string> capsule_links;
-    /// Links whose visual geometry is taken in place of their collision elements, where they have
-    /// any.
     std::vector<std::string> visual_links;
-    /// Joints that nobody publishes, with the position [rad] or [m] they always have.
     std::map<std::string, double> fixed_joints;
-    /// Path or URI of a file of primitives, which stand for the shapes of the links in it.
     std::string primitives_file;
-    bool apply_mesh_up_axis = false;  ///< COLLADA meshes are turned by the up axis they state
+    bool apply_mesh_up_axis = false;
     PrimitiveFitConfig fit;
 
     void describe(ParameterTable& table);
-    /// All of it as text: equal where the configurations are.
+    /// All of it as text, numbers to 15 digits: equal where the configurations are.
     [[nodiscard]] std::string text() const;
   };
 

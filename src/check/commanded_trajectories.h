@@ -8,7 +8,6 @@
 #include "config/parameter_table.h"
 #include "robot/joint_path.h"
 #include "robot/joint_states.h"
-#include "robot/joint_trajectory.h"
 #include "tccm_monitor/robot_model.h"
 #include "tccm_monitor/time.h"
 

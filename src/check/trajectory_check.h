@@ -6,7 +6,7 @@
 #include "check/pose_check.h"
 #include "check/way_check.h"
 #include "config/parameter_table.h"
-#include "robot/joint_trajectory.h"
+#include "robot/joint_path.h"
 
 namespace tccm {
 

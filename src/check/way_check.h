@@ -8,7 +8,6 @@
 
 #include "check/pose_check.h"
 #include "robot/joint_path.h"
-#include "robot/motion_bound.h"
 
 namespace tccm {
 

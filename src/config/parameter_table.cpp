@@ -51,19 +51,15 @@ struct RequireRange {
   }
 };
 
-std::string numberText(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.15g", value);
-  return text;
-}
-
 struct Text {
   template <typename T>
   std::string operator()(const T* value) const {
     return flowText(YAML::Node(*value));
   }
   std::string operator()(const double* value) const {
-    const std::string text = numberText(*value);
+    char number[32];
+    std::snprintf(number, sizeof number, "%.15g", *value);
+    const std::string text = number;
     return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
   }
   std::string operator()(const std::optional<double>* value) const {
@@ -73,11 +69,6 @@ struct Text {
     return value->empty() ? "\"\"" : *value;
   }
 };
-
-std::string rangeText(const ParameterTable::Row& row) {
-  if (row.range.highest == Range().highest) return "";
-  return numberText(row.range.lowest) + " to " + numberText(row.range.highest);
-}
 
 }  // namespace
 
@@ -141,21 +132,6 @@ std::string ParameterTable::yaml() const {
     text += "  " + row.key + ": " + textOf(row.member) + "  # " + row.meaning + "\n";
   }
   for (const List& list : lists_) text += "  " + list.key + ": []  # " + list.meaning + "\n";
-  return text;
-}
-
-std::string ParameterTable::markdown() const {
-  std::string text =
-      "| parameter | default | unit | range | tunable | meaning |\n"
-      "|---|---|---|---|---|---|\n";
-  for (const Row& row : rows_) {
-    text += "| `" + row.key + "` | `" + textOf(row.member) + "` | " + row.unit + " | " +
-            rangeText(row) + " | " + (row.tunable == Tunable::kYes ? "yes" : "") + " | " +
-            row.meaning + " |\n";
-  }
-  for (const List& list : lists_) {
-    text += "| `" + list.key + "` | `[]` | | | | " + list.meaning + " |\n";
-  }
   return text;
 }
 

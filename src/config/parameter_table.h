@@ -46,6 +46,12 @@ class ParameterTable {
     Tunable tunable = Tunable::kNo;
   };
 
+  struct List {
+    std::string key;
+    std::string meaning;
+    std::function<std::vector<ParameterTable>(std::size_t)> resize;
+  };
+
   void add(const std::string& key, Member member, const std::string& unit, Range range,
            const std::string& meaning, Tunable tunable = Tunable::kNo) {
     rows_.push_back({key, member, unit, range, meaning, tunable});
@@ -67,6 +73,7 @@ class ParameterTable {
   }
 
   [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }
+  [[nodiscard]] const std::vector<List>& lists() const { return lists_; }
 
   /// Takes what is set; the rest stays as it is.
   /// @param node a map of keys and values, or nothing. @param owner names it in errors.
@@ -78,15 +85,8 @@ class ParameterTable {
 
   /// A section of config/default.yaml: a line for each row, as it is now.
   [[nodiscard]] std::string yaml() const;
-  /// A section of docs/parameters.md: a row for each, as a table.
-  [[nodiscard]] std::string markdown() const;
 
  private:
-  struct List {
-    std::string key;
-    std::string meaning;
-    std::function<std::vector<ParameterTable>(std::size_t)> resize;
-  };
   std::vector<Row> rows_;
   std::vector<List> lists_;
 };

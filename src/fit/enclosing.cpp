@@ -5,9 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "fit/convex_hull.h"
-#include "fit/directions.h"
-#include "fit/smallest.h"
+#include "fit/points.h"
 
 namespace tccm {
 namespace {
@@ -47,13 +45,6 @@ View viewAlong(const std::vector<Vector3>& points, const Vector3& direction) {
   return view;
 }
 
-PlacedShape placed(const Shape& shape, const Eigen::Matrix3d& axes, const Vector3& centre_in_axes) {
-  PlacedShape result{shape};
-  result.pose.linear() = axes;
-  result.pose.translation() = axes * centre_in_axes;
-  return result;
-}
-
 struct Candidate {
   PlacedShape shape;
   double volume_m3 = std::numeric_limits<double>::infinity();
@@ -61,7 +52,12 @@ struct Candidate {
   [[nodiscard]] Vector3 axis() const { return shape.pose.linear().col(2); }
 };
 
-Candidate candidate(const PlacedShape& shape) { return {shape, volume(shape.shape)}; }
+Candidate placed(const Shape& shape, const Eigen::Matrix3d& axes, const Vector3& centre_in_axes) {
+  Candidate result{{shape}, volume(shape)};
+  result.shape.pose.linear() = axes;
+  result.shape.pose.translation() = axes * centre_in_axes;
+  return result;
+}
 
 void keepSmaller(Candidate& best, const Candidate& tried) {
   if (tried.volume_m3 < best.volume_m3) best = tried;
@@ -73,7 +69,7 @@ double halfLength(const View& view) {
 
 double middle(const View& view) { return 0.5 * (view.high + view.low); }
 
-PlacedShape boxIn(const View& view) {
+Candidate boxIn(const View& view) {
   const Rectangle base = smallestRectangle(view.outline, kThinnest);
   const Vector3 x(base.along_x.x(), base.along_x.y(), 0.0);
   Eigen::Matrix3d turn;
@@ -84,7 +80,7 @@ PlacedShape boxIn(const View& view) {
   return placed(box, axes, turn.transpose() * centre);
 }
 
-PlacedShape cylinderIn(const View& view) {
+Candidate cylinderIn(const View& view) {
   const Ball<2> base = smallestBall<2>(view.outline);
   const Vector3 centre(base.centre.x(), base.centre.y(), middle(view));
   return placed(Cylinder{std::max(base.radius, kThinnestHalf), halfLength(view)}, view.axes,
@@ -93,7 +89,7 @@ PlacedShape cylinderIn(const View& view) {
 
 /// The shortest straight part of a capsule of this axis and radius: the points at distance d from
 /// the axis need lie within sqrt(r^2 - d^2) of its ends. @param radius no point is farther away
-PlacedShape capsuleAbout(const View& view, const Vector2& axis, double radius) {
+Candidate capsuleAbout(const View& view, const Vector2& axis, double radius) {
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
   for (std::size_t i = 0; i < view.across.size(); ++i) {
@@ -106,17 +102,17 @@ PlacedShape capsuleAbout(const View& view, const Vector2& axis, double radius) {
   return placed(capsule, view.axes, {axis.x(), axis.y(), 0.5 * (low + high)});
 }
 
-PlacedShape capsuleIn(const View& view) {
+Candidate capsuleIn(const View& view) {
   const Ball<2> base = smallestBall<2>(view.outline);
   Candidate best;
   for (const double wider : {1.0, 1.04, 1.15}) {
     const double radius = std::max(base.radius * wider, kThinnestHalf);
-    keepSmaller(best, candidate(capsuleAbout(view, base.centre, radius)));
+    keepSmaller(best, capsuleAbout(view, base.centre, radius));
   }
-  return best.shape;
+  return best;
 }
 
-using FitInView = PlacedShape (*)(const View&);
+using FitInView = Candidate (*)(const View&);
 enum Kind : std::size_t { kBox, kCylinder, kCapsule };
 constexpr std::array<FitInView, 3> kFits = {boxIn, cylinderIn, capsuleIn};  // by kind
 
@@ -160,9 +156,9 @@ void addHeaviest(std::vector<Vector3> vectors, std::size_t count,
 
 Search searchAround(const std::vector<Vector3>& points) {
   constexpr int kSpread = 40;
-  static const ExtremePoints kExtreme(250);
+  static const std::vector<Vector3> kExtremes = hemisphereDirections(250);
   const Mesh hull = convexHull(points).surface;
-  Search search{hull.vertices, kExtreme.of(hull.vertices), {}};
+  Search search{hull.vertices, extremePoints(hull.vertices, kExtremes), {}};
   for (int i = 0; i < 3; ++i) search.directions.push_back(Vector3::Unit(i));
   std::vector<Vector3> normals;
   std::vector<Vector3> edges;
@@ -207,7 +203,7 @@ Candidate turned(const Search& search, Kind kind, const Candidate& start, double
     const double angle = ring_angle + 2.0 * M_PI * i / kRing;
     const Vector3 aside = std::cos(angle) * axes.col(0) + std::sin(angle) * axes.col(1);
     const Vector3 direction = (from.axis() + step * aside).normalized();
-    return candidate(kFits.at(kind)(viewAlong(search.points, direction)));
+    return kFits.at(kind)(viewAlong(search.points, direction));
   });
 }
 
@@ -218,7 +214,7 @@ Candidate settled(const Search& search, Candidate best) {
     Candidate next = best;
     for (int axis = 0; axis < 3; ++axis) {
       const Vector3 direction = best.shape.pose.linear().col(axis);
-      keepSmaller(next, candidate(boxIn(viewAlong(search.points, direction))));
+      keepSmaller(next, boxIn(viewAlong(search.points, direction)));
     }
     if (!(next.volume_m3 < best.volume_m3 * (1.0 - 1e-9))) break;
     best = next;
@@ -240,7 +236,7 @@ Candidate stepped(const std::vector<Vector3>& points, const Candidate& from,
   for (const Vector2& p : view.across) squared = std::max(squared, (p - axis).squaredNorm());
   const double excess = std::max(0.0, from.excess + steps[4]);
   const double needed = std::max(std::sqrt(squared), kThinnestHalf);
-  Candidate capsule = candidate(capsuleAbout(view, axis, needed + excess * radius));
+  Candidate capsule = capsuleAbout(view, axis, needed + excess * radius);
   capsule.excess = excess;
   return capsule;
 }
@@ -257,9 +253,10 @@ Candidate moved(const Search& search, const Candidate& start) {
 /// The same axis for all points of the hull.
 Candidate aroundHull(const Search& search, Kind kind, const Candidate& found) {
   if (search.points.size() == search.hull.size()) return found;
-  Candidate again = candidate(kFits.at(kind)(viewAlong(search.hull, found.axis())));
+  Candidate again = kFits.at(kind)(viewAlong(search.hull, found.axis()));
   if (kind != kCapsule) return again;
-  const Candidate no_wider = candidate(found.shape);
+  Candidate no_wider = found;
+  no_wider.excess = 0.0;
   keepSmaller(again, stepped(search.hull, no_wider, Eigen::Matrix<double, 5, 1>::Zero()));
   return again;
 }
@@ -278,7 +275,7 @@ std::array<std::vector<Candidate>, kFits.size()> starts(const Search& search, st
   for (const Vector3& direction : search.directions) {
     const View view = viewAlong(search.points, direction);
     for (const Kind kind : {kBox, kCylinder, kCapsule}) {
-      all.at(kind).push_back(candidate(kFits.at(kind)(view)));
+      all.at(kind).push_back(kFits.at(kind)(view));
     }
   }
   for (std::vector<Candidate>& candidates : all) {
@@ -305,6 +302,12 @@ Candidate searched(const Search& search, const std::vector<Kind>& kinds, std::si
   return best;
 }
 
+Candidate sphereAround(const std::vector<Vector3>& points) {
+  const Ball<3> ball = smallestBall<3>(points);
+  return placed(Sphere{std::max(ball.radius, kThinnestHalf)}, Eigen::Matrix3d::Identity(),
+                ball.centre);
+}
+
 PlacedShape smallestOf(Kind kind, const std::vector<Vector3>& points) {
   constexpr double kAll = std::numeric_limits<double>::infinity();
   return searched(searchAround(points), {kind}, 5, kAll, {}).shape;
@@ -313,9 +316,7 @@ PlacedShape smallestOf(Kind kind, const std::vector<Vector3>& points) {
 }  // namespace
 
 PlacedShape enclosingSphere(const std::vector<Vector3>& points) {
-  const Ball<3> ball = smallestBall<3>(points);
-  return placed(Sphere{std::max(ball.radius, kThinnestHalf)}, Eigen::Matrix3d::Identity(),
-                ball.centre);
+  return sphereAround(points).shape;
 }
 
 PlacedShape enclosingBox(const std::vector<Vector3>& points) { return smallestOf(kBox, points); }
@@ -331,16 +332,16 @@ PlacedShape enclosingCapsule(const std::vector<Vector3>& points) {
 PlacedShape smallestEnclosing(const std::vector<Vector3>& points) {
   constexpr double kHopeless = 1.25;  // refinement does not gain that much
   const Search search = searchAround(points);
-  const Candidate sphere = candidate(enclosingSphere(search.hull));
-  return searched(search, {kBox, kCylinder, kCapsule}, 2, kHopeless, sphere).shape;
+  return searched(search, {kBox, kCylinder, kCapsule}, 2, kHopeless, sphereAround(search.hull))
+      .shape;
 }
 
 double enclosingVolumeAlong(const std::vector<Vector3>& points,
                             const std::vector<Vector3>& directions) {
-  double least = volume(enclosingSphere(points).shape);
+  double least = sphereAround(points).volume_m3;
   for (const Vector3& direction : directions) {
     const View view = viewAlong(points, direction);
-    for (const FitInView fit : kFits) least = std::min(least, volume(fit(view).shape));
+    for (const FitInView fit : kFits) least = std::min(least, fit(view).volume_m3);
   }
   return least;
 }

@@ -1,8 +1,8 @@
-#include "fit/mesh_cut.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
+
+#include "fit/mesh_partition.h"
 
 namespace tccm {
 namespace {

@@ -4,10 +4,11 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <optional>
 
-#include "fit/directions.h"
 #include "fit/enclosing.h"
+#include "fit/points.h"
 
 namespace tccm {
 namespace {
@@ -18,8 +19,8 @@ constexpr int kSpreadCuts = 9;          // slices of a part, at least
 using Points = std::vector<Vector3>;
 
 Points thinned(const Points& points) {
-  static const ExtremePoints kExtreme(80);
-  return kExtreme.of(points);
+  static const std::vector<Vector3> kDirections = hemisphereDirections(80);
+  return extremePoints(points, kDirections);
 }
 
 Points together(const Points& a, const Points& b) {
@@ -45,9 +46,8 @@ struct Piece {
 using Pieces = std::vector<std::shared_ptr<Piece>>;
 
 double totalVolume(const Pieces& pieces) {
-  double sum = 0.0;
-  for (const auto& piece : pieces) sum += piece->volume_m3;
-  return sum;
+  return std::accumulate(pieces.begin(), pieces.end(), 0.0,
+                         [](double sum, const auto& piece) { return sum + piece->volume_m3; });
 }
 
 /// The lowest and the highest.
@@ -100,18 +100,13 @@ std::vector<Vector3> likelyAxes(const Points& extreme) {
   return axes;
 }
 
-/// Slices of a part along a direction, the lowest first.
-struct Slices {
-  std::vector<double> heights;  ///< between them
-  std::vector<Points> points;   ///< of each, thinned
-};
-
-Slices slicesAlong(const MeshPart& mesh, const Vector3& normal) {
-  Slices slices{cutHeights(mesh, normal), {}};
-  for (const Points& points : mesh.slices(normal, slices.heights)) {
-    slices.points.push_back(thinned(points));
-  }
-  return slices;
+/// A part cut along a direction at rising heights, and the slices between them, thinned.
+std::pair<std::vector<double>, std::vector<Points>> slicesAlong(const MeshPart& mesh,
+                                                                const Vector3& normal) {
+  const std::vector<double> heights = cutHeights(mesh, normal);
+  std::vector<Points> slices = mesh.slices(normal, heights);
+  std::transform(slices.begin(), slices.end(), slices.begin(), thinned);
+  return {heights, slices};
 }
 
 /// Several parallel cuts, the topmost first.
@@ -198,8 +193,8 @@ class Cutter {
   [[nodiscard]] std::vector<ParallelCuts> parallelCuts(std::size_t cuts_max) const {
     std::vector<ParallelCuts> best(cuts_max);
     for (const Vector3& normal : axes_) {
-      const Slices slices = slicesAlong(whole_, normal);
-      improve(best, normal, slices.heights, runVolumes(slices));
+      const auto [heights, slices] = slicesAlong(whole_, normal);
+      improve(best, normal, heights, runVolumes(slices));
     }
     return best;
   }
@@ -234,40 +229,42 @@ class Cutter {
     return std::make_shared<Piece>(Piece{std::move(mesh), std::move(extreme), rough, {}});
   }
 
-  [[nodiscard]] std::vector<std::vector<double>> runVolumes(const Slices& slices) const {
-    const std::size_t count = slices.points.size();
-    std::vector<std::vector<double>> volumes(count, std::vector<double>(count + 1, 0.0));
-    for (std::size_t i = 0; i < count; ++i) {
-      Points points;
-      for (std::size_t j = i; j < count; ++j) {
-        points = together(points, slices.points[j]);
-        volumes[i][j + 1] = roughVolume(points);
-      }
+  /// Around the first of the slices, the first two, and so on.
+  template <typename Slice>
+  [[nodiscard]] std::vector<double> growingVolumes(Slice slice, Slice end) const {
+    std::vector<double> volumes;
+    Points points;
+    for (; slice != end; ++slice) {
+      points = together(points, *slice);
+      volumes.push_back(roughVolume(points));
+    }
+    return volumes;
+  }
+
+  [[nodiscard]] std::vector<std::vector<double>> runVolumes(
+      const std::vector<Points>& slices) const {
+    std::vector<std::vector<double>> volumes;
+    for (auto first = slices.begin(); first != slices.end(); ++first) {
+      const std::vector<double> growing = growingVolumes(first, slices.end());
+      volumes.emplace_back(slices.size() + 1 - growing.size(), 0.0);
+      volumes.back().insert(volumes.back().end(), growing.begin(), growing.end());
     }
     return volumes;
   }
 
   [[nodiscard]] Split bestSplit(const MeshPart& mesh) const {
     Split best;
-    for (const Vector3& normal : axes_) trySplits(mesh, normal, best);
+    for (const Vector3& normal : axes_) {
+      const auto [heights, slices] = slicesAlong(mesh, normal);
+      const std::vector<double> below = growingVolumes(slices.begin(), slices.end() - 1);
+      const std::vector<double> above = growingVolumes(slices.rbegin(), slices.rend() - 1);
+      for (std::size_t i = 0; i < heights.size(); ++i) {
+        const double both = below[i] + above[heights.size() - 1 - i];
+        if (both < best.volume_m3) best = {{normal, heights[i]}, both};
+      }
+    }
     if (best.volume_m3 < kInfinity) refine(mesh, best);
     return best;
-  }
-
-  void trySplits(const MeshPart& mesh, const Vector3& normal, Split& best) const {
-    const Slices slices = slicesAlong(mesh, normal);
-    std::vector<double> above(slices.points.size(), 0.0);
-    Points points;
-    for (std::size_t i = slices.points.size(); i-- > 1;) {
-      points = together(points, slices.points[i]);
-      above[i] = roughVolume(points);
-    }
-    points.clear();
-    for (std::size_t i = 0; i < slices.heights.size(); ++i) {
-      points = together(points, slices.points[i]);
-      const double both = roughVolume(points) + above[i + 1];
-      if (both < best.volume_m3) best = {{normal, slices.heights[i]}, both};
-    }
   }
 
   /// Moves the cut between the heights that were tried.
@@ -292,7 +289,7 @@ class Cutter {
 
 }  // namespace
 
-std::vector<MeshPartition> partitions(const Mesh& mesh, std::size_t parts_max) {
+std::vector<std::vector<MeshPart>> partitions(const Mesh& mesh, std::size_t parts_max) {
   const Cutter cutter(mesh);
   std::map<std::size_t, Pieces> found;  // by the number of parts
   const auto keepBetter = [&](const Pieces& pieces) {
@@ -312,12 +309,11 @@ std::vector<MeshPartition> partitions(const Mesh& mesh, std::size_t parts_max) {
       if (cuts.volume_m3 < kInfinity) keepBetter(cutter.cutAlong(cuts));
     }
   }
-  std::vector<MeshPartition> result;
+  std::vector<std::vector<MeshPart>> result;
   for (const auto& [count, known] : found) {
-    MeshPartition& partition = result.emplace_back();
-    partition.rough_volume_m3 = totalVolume(known);
+    std::vector<MeshPart>& parts = result.emplace_back();
     for (const auto& piece : known) {
-      if (!piece->mesh.vertices().empty()) partition.parts.push_back(piece->mesh);
+      if (!piece->mesh.vertices().empty()) parts.push_back(piece->mesh);
     }
   }
   return result;

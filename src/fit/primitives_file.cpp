@@ -4,6 +4,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <cmath>
+#include <limits>
 #include <regex>
 #include <sstream>
 #include <string_view>
@@ -129,8 +130,9 @@ class PrimitiveReader {
 
   PlacedShape read() {
     PlacedShape placed{shapeOf(wordOf(take("shape")))};
-    placed.pose.translation() = optionalVector("xyz", kFurthest);
-    const Vector3 rpy = optionalVector("rpy", kLargestAngle);
+    if (values_.count("xyz") > 0) placed.pose.translation() = vector("xyz", kFurthest);
+    Vector3 rpy = Vector3::Zero();
+    if (values_.count("rpy") > 0) rpy = vector("rpy", kLargestAngle);
     placed.pose.linear() = (Eigen::AngleAxisd(rpy.z(), Vector3::UnitZ()) *
                             Eigen::AngleAxisd(rpy.y(), Vector3::UnitY()) *
                             Eigen::AngleAxisd(rpy.x(), Vector3::UnitX()))
@@ -155,21 +157,15 @@ class PrimitiveReader {
     return value;
   }
 
-  Vector3 vector(const std::string& key) {
+  Vector3 vector(const std::string& key, double largest = std::numeric_limits<double>::max()) {
     const Element list = take(key);
     if (!list.node.IsSequence() || list.node.size() != 3) {
       list.refuse("it has to be a list of three numbers");
     }
     Vector3 v;
     for (int i = 0; i < 3; ++i) v[i] = numberOf({list.node[i], list.owner});
-    return v;
-  }
-
-  Vector3 optionalVector(const std::string& key, double largest) {
-    if (values_.count(key) == 0) return Vector3::Zero();
-    const Vector3 v = vector(key);
-    for (int i = 0; i < 3; ++i) {
-      requireInRange(element_.owner + ": " + key, v[i], -largest, largest);
+    for (const double number : {v[0], v[1], v[2]}) {
+      requireInRange(list.owner, number, -largest, largest);
     }
     return v;
   }

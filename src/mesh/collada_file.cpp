@@ -6,14 +6,13 @@
 #include <map>
 #include <unordered_map>
 
-#include "mesh/mesh_formats.h"
+#include "mesh/mesh.h"
 #include "mesh/text.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {
 
-using tinyxml2::XMLConstHandle;
 using tinyxml2::XMLElement;
 using Indices = std::vector<std::uint32_t>;
 
@@ -42,12 +41,14 @@ std::string textOf(const XMLElement& element) {
   return text;
 }
 
-/// The first `count` numbers of an element's text.
-std::vector<double> numbersOf(const XMLElement& element, std::size_t count) {
+/// The numbers of an element's text: the first `count`, or all.
+std::vector<double> numbersOf(const XMLElement& element, std::optional<std::size_t> count = {}) {
   const std::string text = textOf(element);
   TokenReader words(text);
   std::vector<double> numbers;
-  while (numbers.size() < count) numbers.push_back(readNumber(words, nameOf(element)));
+  while (count ? numbers.size() < *count : !words.peek().empty()) {
+    numbers.push_back(readNumber(words, nameOf(element)));
+  }
   return numbers;
 }
 
@@ -102,10 +103,16 @@ Eigen::Affine3d transformOf(const XMLElement& element) {
   return T;
 }
 
+/// The element down a path of names; nullptr where there is none.
+const XMLElement* elementAt(const XMLElement& top, std::initializer_list<const char*> path) {
+  const XMLElement* element = &top;
+  for (const char* name : path) element = element ? element->FirstChildElement(name) : nullptr;
+  return element;
+}
+
 /// [m]
 double unitOf(const XMLElement& root) {
-  const XMLElement* unit =
-      XMLConstHandle(root).FirstChildElement("asset").FirstChildElement("unit").ToElement();
+  const XMLElement* unit = elementAt(root, {"asset", "unit"});
   const char* meter = unit != nullptr ? unit->Attribute("meter") : nullptr;
   if (meter == nullptr) return 1.0;  // the format's default
   const auto value = toNumber(meter);
@@ -115,8 +122,7 @@ double unitOf(const XMLElement& root) {
 
 /// From the file's axes to those with z up.
 Eigen::Matrix3d upright(const XMLElement& root) {
-  const XMLElement* stated =
-      XMLConstHandle(root).FirstChildElement("asset").FirstChildElement("up_axis").ToElement();
+  const XMLElement* stated = elementAt(root, {"asset", "up_axis"});
   const std::string text = stated != nullptr ? textOf(*stated) : "Y_UP";  // the format's default
   const std::string_view up = TokenReader(text).peek();
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
@@ -178,11 +184,6 @@ class FaceReader {
                       std::to_string(mesh_.vertices.size()));
   }
 
-  void addSlice(const Indices& all, std::size_t begin, std::size_t size) {
-    const auto first = all.begin() + static_cast<std::ptrdiff_t>(begin);
-    addFace(Indices(first, first + static_cast<std::ptrdiff_t>(size)), mesh_);
-  }
-
   /// Faces of so many corners each; 0: of as many as <vcount> says.
   void addSized(std::size_t equal) {
     const Indices all = corners(childrenOf(list_, "p"));
@@ -198,7 +199,7 @@ class FaceReader {
     std::size_t first = 0;
     for (std::size_t i = 0; fits && i < sizes.size(); first += sizes[i++]) {
       fits = sizes[i] <= all.size() - first;
-      if (fits) addSlice(all, first, sizes[i]);
+      if (fits) mesh_.addFace(all.data() + first, sizes[i]);
     }
     if (fits && first == all.size()) return;
     throw ConfigError("a " + nameOf(list_) + " has more or fewer indices than its counts say");
@@ -208,8 +209,8 @@ class FaceReader {
   void addRuns(const XMLElement& parent, std::size_t size) {
     for (const XMLElement* p : childrenOf(parent, "p")) {
       const Indices run = corners({p});
-      if (size == 0) addFace(run, mesh_);
-      for (std::size_t i = 0; size > 0 && i + size <= run.size(); ++i) addSlice(run, i, size);
+      const std::size_t width = size > 0 ? size : run.size();
+      for (std::size_t i = 0; i + width <= run.size(); ++i) mesh_.addFace(run.data() + i, width);
     }
   }
 
@@ -236,10 +237,7 @@ class SceneReader {
 
   /// @param T the file's frame to the mesh's, with the unit.
   Mesh read(const Eigen::Affine3d& T) {
-    const XMLElement* instance = XMLConstHandle(root_)
-                                     .FirstChildElement("scene")
-                                     .FirstChildElement("instance_visual_scene")
-                                     .ToElement();
+    const XMLElement* instance = elementAt(root_, {"scene", "instance_visual_scene"});
     if (instance == nullptr) throw ConfigError("it has no <scene> with an <instance_visual_scene>");
     addNodes(named(*instance, "url", "visual_scene"), T, 0);
     return std::move(mesh_);
@@ -266,17 +264,10 @@ class SceneReader {
   }
 
   [[nodiscard]] std::vector<Vector3> positionsOf(const XMLElement& source) const {
-    const XMLElement* accessor = XMLConstHandle(source)
-                                     .FirstChildElement("technique_common")
-                                     .FirstChildElement("accessor")
-                                     .ToElement();
+    const XMLElement* accessor = elementAt(source, {"technique_common", "accessor"});
     if (accessor == nullptr) throw ConfigError("a <source> has no <accessor>");
     const XMLElement& array = named(*accessor, "source", "float_array");
-    const std::string text = textOf(array);
-    std::vector<double> numbers;
-    for (TokenReader words(text); !words.peek().empty();) {
-      numbers.push_back(readNumber(words, nameOf(array)));
-    }
+    const std::vector<double> numbers = numbersOf(array);
     if (numbers.size() < countIn(array, "count", 0)) {
       throw ConfigError("a <float_array> has fewer numbers than its count says");
     }
@@ -315,9 +306,8 @@ class SceneReader {
       if (name == "node") addNode(*child, T, depth);
       if (name == "instance_node") addNode(named(*child, "url", "node"), T, depth);
       if (name == "instance_geometry") addGeometry(named(*child, "url", "geometry"), T);
-      if (name == "instance_controller") {
+      if (name == "instance_controller")
         addController(named(*child, "url", "controller"), T, depth);
-      }
     }
   }
 

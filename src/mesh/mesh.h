@@ -1,8 +1,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "tccm_monitor/pose.h"
@@ -16,6 +18,9 @@ struct Mesh {
 
   std::vector<Vector3> vertices;
   std::vector<Triangle> triangles;  ///< indices into vertices; their winding says nothing
+
+  /// Adds a fan of triangles for a polygon, else a line or a point.
+  void addFace(const std::uint32_t* corners, std::size_t count);
 };
 
 /// The vertices that are a corner of a polygon, in the order they come there; the corners are
@@ -39,5 +44,33 @@ template <typename Polygons>
   }
   return used;
 }
+
+/// How a mesh file's coordinates become metres in the mesh's frame.
+struct MeshScaling {
+  /// Per axis, after the file's own unit; a negative factor mirrors.
+  Vector3 scale = Vector3::Ones();
+  /// Turns the mesh so that the up axis that a COLLADA file states becomes z. Off: coordinates stay
+  /// as they stand in the file, as rviz and MoveIt read them; many robots' files state the wrong
+  /// one.
+  bool apply_up_axis = false;
+};
+
+/// What one mesh file may hold.
+constexpr std::size_t kMeshBytesMax = std::size_t{256} << 20U;
+constexpr std::size_t kMeshVerticesMax = 2'000'000;  ///< different ones
+
+/// The mesh that content, the bytes of an STL, COLLADA or OBJ file, describes: every instance of
+/// every geometry at its place, each vertex once, and those that no face uses as lone points.
+/// Nothing but content is read, whatever files it refers to.
+/// @param uri tells the format by its extension (.stl, .dae or .obj in any case), and names the
+/// file in errors.
+/// @throws ConfigError "uri: why" where the file is damaged, cut off or empty, a coordinate is not
+/// finite or beyond 1 km, or a factor of the scale is 0 or beyond 1000.
+[[nodiscard]] Mesh readMesh(const std::string& content, const std::string& uri,
+                            const MeshScaling& scaling);
+
+/// The COLLADA reader behind it, for coordinates in metres that are not looked at yet.
+/// @throws ConfigError saying why, without the file's name.
+[[nodiscard]] Mesh readCollada(const std::string& content, bool apply_up_axis);
 
 }  // namespace tccm

@@ -136,7 +136,9 @@ class TiltScanAssembler : public DiagnosedNodelet {
   }
 
   void report(const tccm_monitor::ScanReport& report) {
-    report_publisher_.publish(boost::make_shared<const tccm_monitor::ScanReport>(report));
+    const auto message = reports_.take();
+    *message = report;
+    report_publisher_.publish(tccm_monitor::ScanReport::ConstPtr(message));
   }
 
   void publishMarkers() {
@@ -178,6 +180,7 @@ class TiltScanAssembler : public DiagnosedNodelet {
   std::unique_ptr<ScanStage> stage_;
   std::unique_ptr<TransformHistory> transforms_;
   std::unique_ptr<ScanSource> source_;
+  MessagePool<tccm_monitor::ScanReport> reports_;
   MessagePool<sensor_msgs::PointCloud2> clouds_;
   std::size_t received_ = 0;
   std::size_t assembled_ = 0;

@@ -17,16 +17,10 @@ class BodySampler {
  public:
   struct Config {
     JointStates::Config joints;
-    /// What is filtered out. Its padding is how near to a beam the body may be for the beam to have
-    /// met it: the error of the body model and of its place.
     LinkUse filtered{Expansion{1.0, 0.025}};
-    /// At least this for objects in the robot's hand, whose shape and place are known less well.
     double attached_padding_m = 0.06;
-    /// Joint states may be so late: paddings grow by it times the primitive's speed, by 50 mm at
-    /// most.
     double lateness_s = 0.02;
-    /// Time between two samples. Half of it at a hand's speed is the error of its place.
-    double sample_s = 0.004;
+    double sample_s = 0.004;  ///< half of it at a hand's speed is the error of its place
 
     void describe(ParameterTable& table);
     /// @throws ConfigError

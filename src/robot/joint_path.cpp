@@ -1,10 +1,161 @@
 #include "robot/joint_path.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
+#include <set>
+#include <utility>
 
 namespace tccm {
+namespace {
+
+constexpr double kLargest = 1e6;
+constexpr double kLimitTolerance = 0.01;  // [rad or m]
+constexpr double kTravelUnlimited = 2.0;  // [m] of a translation without limits, or beyond them
+
+/// The coefficients of a joint's polynomial over one stretch, from the lowest power.
+using Spline = std::array<double, 6>;
+
+struct End {
+  double position, velocity, acceleration;
+};
+
+Spline cubic(const End& a, const End& b, double T) {
+  const double d = b.position - a.position;
+  return {a.position,
+          a.velocity,
+          (3.0 * d - (2.0 * a.velocity + b.velocity) * T) / (T * T),
+          (-2.0 * d + (a.velocity + b.velocity) * T) / (T * T * T),
+          0.0,
+          0.0};
+}
+
+Spline quintic(const End& a, const End& b, double T) {
+  const double d = b.position - a.position, T2 = T * T, T3 = T2 * T;
+  return {
+      a.position,
+      a.velocity,
+      0.5 * a.acceleration,
+      (20.0 * d - (8.0 * b.velocity + 12.0 * a.velocity) * T -
+       (3.0 * a.acceleration - b.acceleration) * T2) /
+          (2.0 * T3),
+      (-30.0 * d + (14.0 * b.velocity + 16.0 * a.velocity) * T +
+       (3.0 * a.acceleration - 2.0 * b.acceleration) * T2) /
+          (2.0 * T3 * T),
+      (12.0 * d - 6.0 * (b.velocity + a.velocity) * T + (b.acceleration - a.acceleration) * T2) /
+          (2.0 * T3 * T2)};
+}
+
+double valueOf(const Spline& c, double t) {
+  return c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * (c[4] + t * c[5]))));
+}
+
+/// No second derivative on [0, T] is larger: that of its Bernstein coefficients.
+double curvatureMax(const Spline& c, double T) {
+  const double a = 2.0 * c[2], b = 6.0 * c[3] * T;
+  const double d = 12.0 * c[4] * T * T, e = 20.0 * c[5] * T * T * T;
+  return std::max({std::abs(a), std::abs(a + b / 3.0), std::abs(a + (2.0 * b + d) / 3.0),
+                   std::abs(a + b + d + e)});
+}
+
+bool allFinite(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(),
+                     [](double value) { return std::abs(value) <= kLargest; });
+}
+
+/// The number of variables where none has that name.
+std::size_t variableOf(const std::string& name, const RobotModel& model) {
+  const std::vector<JointVariable>& all = model.variables();
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const JointVariable& v) { return v.name == name; });
+  return static_cast<std::size_t>(found - all.begin());
+}
+
+std::string defectOfJoint(const std::string& name, const RobotModel& model) {
+  const std::string joint = "joint '" + name + "' ";
+  if (!model.hasJoint(name)) return joint + "is not one of the robot's";
+  if (model.fixedJoints().count(name) > 0) return joint + "is one of fixed_joints";
+  if (variableOf(name, model) < model.variables().size()) return {};
+  return joint + "moves no monitored link of its own: nothing watches what it does";
+}
+
+/// @pre no joint has a defect
+std::string defectOfPoint(const JointTrajectory& trajectory, std::size_t i,
+                          const RobotModel& model) {
+  const JointTrajectory::Point& point = trajectory.points[i];
+  const std::size_t joints = trajectory.names.size();
+  const auto fits = [joints](const std::vector<double>& v) {
+    return v.empty() || v.size() == joints;
+  };
+  if (point.positions.size() != joints) return "has not one position for each joint";
+  if (!fits(point.velocities)) return "has not one velocity for each joint";
+  if (!fits(point.accelerations)) return "has not one acceleration for each joint";
+  if (!allFinite(point.positions) || !allFinite(point.velocities) ||
+      !allFinite(point.accelerations) || !allFinite({point.time_s})) {
+    return "has a number that is not finite";
+  }
+  if (point.time_s < 0.0) return "lies before the start";
+  for (std::size_t j = 0; j < joints; ++j) {
+    const JointVariable& variable = model.variables()[variableOf(trajectory.names[j], model)];
+    const double position = point.positions[j];
+    if (position < variable.lower.value_or(position) - kLimitTolerance ||
+        position > variable.upper.value_or(position) + kLimitTolerance) {
+      return "has joint '" + variable.name + "' beyond its limit";
+    }
+  }
+  const bool rises = i == 0 || point.time_s > trajectory.points[i - 1].time_s;
+  return rises ? "" : "is not after the one before it";
+}
+
+/// Everything that is known of one joint at both ends of a stretch.
+Spline splineOf(const JointTrajectory::Point& a, const JointTrajectory::Point& b, std::size_t j,
+                double T) {
+  const auto at = [j](const std::vector<double>& values) {
+    return values.empty() ? 0.0 : values[j];
+  };
+  const End from{a.positions[j], at(a.velocities), at(a.accelerations)};
+  const End to{b.positions[j], at(b.velocities), at(b.accelerations)};
+  if (a.velocities.empty() || b.velocities.empty()) {
+    return {from.position, (to.position - from.position) / T, 0.0, 0.0, 0.0, 0.0};
+  }
+  const bool has_accelerations = !a.accelerations.empty() && !b.accelerations.empty();
+  return has_accelerations ? quintic(from, to, T) : cubic(from, to, T);
+}
+
+/// @param shift for joints without limits: whole turns.
+void addStretch(const JointTrajectory::Point& a, const JointTrajectory::Point& b,
+                const std::vector<std::size_t>& variables, const std::vector<double>& shift,
+                double tolerance, std::vector<double>& positions, JointPath& path) {
+  const double T = b.time_s - a.time_s;
+  std::vector<Spline> splines;
+  double curvature = 0.0;
+  for (std::size_t j = 0; j < variables.size(); ++j) {
+    splines.push_back(splineOf(a, b, j, T));
+    curvature = std::max(curvature, curvatureMax(splines.back(), T));
+  }
+  constexpr double kPiecesMax = 128.0;
+  const double pieces =
+      std::clamp(std::ceil(T * std::sqrt(curvature / (8.0 * tolerance))), 1.0, kPiecesMax);
+  for (double k = 1.0; k <= pieces; ++k) {
+    const double t = T * k / pieces;
+    for (std::size_t j = 0; j < variables.size(); ++j) {
+      const double end = k == pieces ? b.positions[j] : valueOf(splines[j], t);
+      positions[variables[j]] = end + shift[j];
+    }
+    path.add(a.time_s + t, positions);
+  }
+}
+
+/// The least and the largest position of a translation.
+std::pair<double, double> rangeOf(const RobotModel& model, const RobotJoint& joint) {
+  const JointVariable& variable = model.variables()[joint.variable];
+  if (!variable.lower || !variable.upper) return {-kTravelUnlimited, kTravelUnlimited};
+  return std::minmax({joint.multiplier * *variable.lower + joint.offset,
+                      joint.multiplier * *variable.upper + joint.offset});
+}
+
+}  // namespace
 
 void JointPath::clear() {
   times_.clear();
@@ -30,26 +181,17 @@ void JointPath::add(double time_s, const std::vector<double>& positions) {
   times_.push_back(time_s);
 }
 
-JointPath::Place JointPath::placeOf(double time_s) const {
-  const auto after = std::upper_bound(times_.begin(), times_.end(), time_s);
-  if (after == times_.begin()) return {0, 0.0};
-  const auto point = static_cast<std::size_t>(after - times_.begin()) - 1;
-  if (after == times_.end()) return {point, 0.0};
-  return {point, (time_s - times_[point]) / (times_[point + 1] - times_[point])};
-}
-
 void JointPath::interpolate(const std::vector<double>& rows, double time_s,
                             std::vector<double>& result) const {
-  const Place place = placeOf(time_s);
-  result.resize(variables_);
-  const double* row = rows.data() + place.point * variables_;
-  if (place.share == 0.0) {
-    std::copy_n(row, variables_, result.begin());
-    return;
-  }
+  const auto after = std::upper_bound(times_.begin(), times_.end(), time_s);
+  const auto point =
+      static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - times_.begin(), 1)) - 1;
+  const double* row = rows.data() + point * variables_;
+  result.assign(row, row + variables_);
+  if (after == times_.begin() || after == times_.end()) return;
+  const double share = (time_s - times_[point]) / (times_[point + 1] - times_[point]);
   const double* next = row + variables_;
-  for (std::size_t v = 0; v < variables_; ++v)
-    result[v] = row[v] + place.share * (next[v] - row[v]);
+  for (std::size_t v = 0; v < variables_; ++v) result[v] += share * (next[v] - row[v]);
 }
 
 void JointPath::positionsAt(double time_s, std::vector<double>& positions) const {
@@ -58,6 +200,100 @@ void JointPath::positionsAt(double time_s, std::vector<double>& positions) const
 
 void JointPath::travelUntil(double time_s, std::vector<double>& travel) const {
   interpolate(travel_, time_s, travel);
+}
+
+std::string defectOf(const JointTrajectory& trajectory, const RobotModel& model) {
+  if (trajectory.names.empty()) return "it names no joint";
+  if (trajectory.points.empty()) return "it has no points";
+  std::set<std::string> names;
+  for (const std::string& name : trajectory.names) {
+    if (!names.insert(name).second) return "joint '" + name + "' is named twice";
+    const std::string defect = defectOfJoint(name, model);
+    if (!defect.empty()) return defect;
+  }
+  for (std::size_t i = 0; i < trajectory.points.size(); ++i) {
+    const std::string defect = defectOfPoint(trajectory, i, model);
+    if (!defect.empty()) return "point " + std::to_string(i) + " " + defect;
+  }
+  return {};
+}
+
+std::vector<std::size_t> variablesOf(const JointTrajectory& trajectory, const RobotModel& model) {
+  std::vector<std::size_t> variables;
+  for (const std::string& name : trajectory.names) variables.push_back(variableOf(name, model));
+  return variables;
+}
+
+void makePath(const JointTrajectory& trajectory, const RobotModel& model,
+              const std::vector<double>& from, double tolerance, JointPath& path,
+              const std::vector<double>& velocities) {
+  const std::vector<std::size_t> variables = variablesOf(trajectory, model);
+  const JointTrajectory::Point& first = trajectory.points.front();
+  std::vector<double> positions = from, shift(variables.size(), 0.0);
+  // Where it comes from; its velocities matter only where the first point has some.
+  JointTrajectory::Point start;
+  start.velocities.assign(first.velocities.size(), 0.0);
+  start.accelerations.assign(first.accelerations.size(), 0.0);
+  for (std::size_t j = 0; j < variables.size(); ++j) {
+    if (model.turnsFreely(variables[j])) {
+      const double turns = (from[variables[j]] - first.positions[j]) / (2.0 * M_PI);
+      shift[j] = 2.0 * M_PI * std::round(turns);
+    }
+    start.positions.push_back(from[variables[j]] - shift[j]);
+    if (!first.velocities.empty() && !velocities.empty()) {
+      start.velocities[j] = velocities[variables[j]];
+    }
+  }
+  path.clear();
+  if (first.time_s > 0.0) {
+    path.add(0.0, positions);
+    addStretch(start, first, variables, shift, tolerance, positions, path);
+  } else {
+    for (std::size_t j = 0; j < variables.size(); ++j) {
+      positions[variables[j]] = first.positions[j] + shift[j];
+    }
+    path.add(0.0, positions);
+  }
+  for (std::size_t i = 0; i + 1 < trajectory.points.size(); ++i) {
+    addStretch(trajectory.points[i], trajectory.points[i + 1], variables, shift, tolerance,
+               positions, path);
+  }
+}
+
+MotionBound::MotionBound(const RobotModel& model, const std::vector<std::size_t>& shapes,
+                         const std::vector<double>& radii_m)
+    : variables_(model.variables().size()), lever_arms_(shapes.size() * variables_, 0.0) {
+  std::vector<const RobotJoint*> joint_to(model.links().size(), nullptr);
+  for (const RobotJoint& joint : model.joints()) joint_to[joint.child] = &joint;
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const LinkShape& shape = model.shapes()[shapes[i]];
+    // From the link up to the root: a ball in the frame reached that the shape never leaves,
+    // whatever the joints passed do.
+    Vector3 centre = shape.T_link_shape.translation();
+    double radius = radii_m[i];
+    for (const RobotJoint* joint = joint_to[shape.link]; joint; joint = joint_to[joint->parent]) {
+      const std::size_t arm = i * variables_ + joint->variable;
+      if (joint->motion == RobotJoint::Motion::kRotation) {
+        const Vector3 on_axis = joint->axis.dot(centre) * joint->axis;
+        radius += (centre - on_axis).norm();
+        lever_arms_[arm] += std::abs(joint->multiplier) * radius;
+        centre = on_axis;
+      } else if (joint->motion == RobotJoint::Motion::kTranslation) {
+        const auto [low, high] = rangeOf(model, *joint);
+        radius += 0.5 * (high - low);
+        lever_arms_[arm] += std::abs(joint->multiplier);
+        centre += 0.5 * (low + high) * joint->axis;
+      }
+      centre = joint->T_parent_joint * centre;
+    }
+  }
+}
+
+double MotionBound::displacement(std::size_t shape, const std::vector<double>& travel) const {
+  const double* arms = lever_arms_.data() + shape * variables_;
+  double sum = 0.0;
+  for (std::size_t v = 0; v < variables_; ++v) sum += arms[v] * travel[v];
+  return sum;
 }
 
 }  // namespace tccm

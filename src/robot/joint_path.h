@@ -1,7 +1,10 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <vector>
+
+#include "tccm_monitor/robot_model.h"
 
 namespace tccm {
 
@@ -22,7 +25,6 @@ class JointPath {
   [[nodiscard]] double time(std::size_t point) const { return times_[point]; }
   [[nodiscard]] double begin() const { return times_.front(); }
   [[nodiscard]] double end() const { return times_.back(); }
-  [[nodiscard]] std::size_t variables() const { return variables_; }
 
   /// The positions at an instant; beyond the ends those of the ends. @pre not empty
   void positionsAt(double time_s, std::vector<double>& positions) const;
@@ -31,12 +33,6 @@ class JointPath {
   void travelUntil(double time_s, std::vector<double>& travel) const;
 
  private:
-  /// The last point not after an instant, and how far it is on the way to the next.
-  struct Place {
-    std::size_t point;
-    double share;
-  };
-  [[nodiscard]] Place placeOf(double time_s) const;
   void interpolate(const std::vector<double>& rows, double time_s,
                    std::vector<double>& result) const;
 
@@ -44,6 +40,50 @@ class JointPath {
   std::vector<double> times_;
   std::vector<double> positions_;  ///< points by variables
   std::vector<double> travel_;     ///< likewise, since the first point
+};
+
+/// Empty, or in one line what is wrong with it: joints that are not the robot's to move, points
+/// that are incomplete, not finite or beyond a limit, times that do not rise or are below 0.
+[[nodiscard]] std::string defectOf(const JointTrajectory& trajectory, const RobotModel& model);
+
+/// The variables that the trajectory's joints are, in the order of its names.
+/// @pre defectOf() is empty
+[[nodiscard]] std::vector<std::size_t> variablesOf(const JointTrajectory& trajectory,
+                                                   const RobotModel& model);
+
+/// The way as ros_controllers' JointTrajectoryController takes it: a straight line between points
+/// without velocities, a cubic or quintic spline between such with velocities or accelerations; the
+/// same on the way to a first point that is later than the start.
+/// Splines are cut into straight pieces that stay within tolerance of them, 128 a stretch at most.
+/// @param from where all of the model's variables are at the trajectory's start; those that the
+/// trajectory does not name stay there. Rotations without limits take the short way to the first
+/// point.
+/// @param path is cleared before.
+/// @param tolerance [rad or m]
+/// @param velocities of all variables at the start [rad/s or m/s]; empty: at rest.
+/// @pre defectOf() is empty
+void makePath(const JointTrajectory& trajectory, const RobotModel& model,
+              const std::vector<double>& from, double tolerance, JointPath& path,
+              const std::vector<double>& velocities = {});
+
+/// How far any point of a primitive can move at most when the joints travel by given amounts: the
+/// sum over the joints of travel times lever arm, whatever the pose (as in Schwarzer, Saha,
+/// Latombe: Adaptive dynamic collision checking, IEEE T-RO 2005).
+class MotionBound {
+ public:
+  /// @param shapes indices into the model's shapes. @param radii_m of each the radius around its
+  /// frame's origin that contains it, with whatever it grows by.
+  MotionBound(const RobotModel& model, const std::vector<std::size_t>& shapes,
+              const std::vector<double>& radii_m);
+
+  /// @param shape index into the shapes handed over. @param travel of each of the model's variables
+  /// [rad or m], not negative.
+  /// @return [m]
+  [[nodiscard]] double displacement(std::size_t shape, const std::vector<double>& travel) const;
+
+ private:
+  std::size_t variables_;
+  std::vector<double> lever_arms_;  ///< shapes by variables
 };
 
 }  // namespace tccm

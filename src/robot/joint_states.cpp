@@ -11,7 +11,7 @@ namespace tccm {
 namespace {
 
 constexpr double kFixedTolerance = 0.01;  // [rad, m]
-constexpr double kTurn = 2.0 * 3.14159265358979323846;
+constexpr double kTurn = 2.0 * M_PI;
 constexpr double kMoving = 0.02;  // [rad/s, m/s]; less may be noise
 constexpr double kLargest = 1e6;  // [rad, m, 1/s]; beyond it is no joint's position or velocity
 
@@ -91,13 +91,6 @@ JointStates::Added JointStates::add(Time stamp, const std::vector<std::string>& 
   return added;
 }
 
-std::optional<std::string> JointStates::missingJoint() const {
-  for (std::size_t i = 0; i < tracks_.size(); ++i) {
-    if (tracks_[i].count == 0) return names_[i];
-  }
-  return std::nullopt;
-}
-
 std::vector<std::string> JointStates::missingJoints() const {
   std::vector<std::string> missing;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
@@ -149,7 +142,7 @@ double JointStates::velocityOf(std::size_t joint) {
 }
 
 const JointSnapshot* JointStates::latest() {
-  if (missingJoint() || !last_message_) return nullptr;
+  if (!missingJoints().empty() || !last_message_) return nullptr;
   snapshot_.oldest = snapshot_.newest = *last_message_;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     snapshot_.oldest = std::min(snapshot_.oldest, tracks_[i].newest(0).stamp);
@@ -187,7 +180,7 @@ bool JointStates::at(Time stamp, std::vector<double>& positions) const {
 }
 
 std::optional<Time> JointStates::answersUntil() const {
-  if (missingJoint() || !last_message_) return std::nullopt;
+  if (!missingJoints().empty() || !last_message_) return std::nullopt;
   Time until = tracks_.empty() ? *last_message_ : tracks_.front().newest(0).stamp;
   for (const Track& track : tracks_) until = std::min(until, track.newest(0).stamp);
   return until;

@@ -46,8 +46,6 @@ class JointStates {
             const std::vector<double>& velocities);
   void reset();
 
-  /// The first joint never heard of, if there is one.
-  [[nodiscard]] std::optional<std::string> missingJoint() const;
   /// In one line, which joint is published elsewhere than the configuration fixes it, by more than
   /// 0.01 rad or m; empty where none is. While there is one, nothing is known of the pose.
   [[nodiscard]] const std::string& contradiction() const { return contradiction_; }
@@ -87,7 +85,6 @@ class JointStates {
   [[nodiscard]] double moved(std::size_t joint, double from, double to) const;
   [[nodiscard]] double differentiate(std::size_t joint) const;
   void lookForVelocityDefect(std::size_t joint);
-  /// The larger of the reported and the differentiated.
   [[nodiscard]] double velocityOf(std::size_t joint);
   void compareWithFixed(const std::string& name, double position);
   [[nodiscard]] bool interpolate(std::size_t joint, Time stamp, double& position) const;

@@ -6,8 +6,11 @@
 
 #include <algorithm>
 #include <boost/locale/utf.hpp>
+#include <cmath>
+#include <cstring>
 #include <map>
 #include <mutex>
+#include <set>
 #include <string_view>
 
 #include "mesh/text.h"
@@ -24,6 +27,8 @@ constexpr std::size_t kTagMax = 64U << 10U;   // bytes of one tag with its attri
 constexpr std::size_t kAttributesMax = 100;   // of one element; a URDF has six
 constexpr std::ptrdiff_t kQuotesMax = 1000;   // from one tag to the next, in text too
 constexpr std::size_t kPartsMax = 10'000;     // links and joints; a URDF has a hundred
+constexpr double kMultiplierMax = 1e6;        // of a mimic joint; beyond it is a slip
+constexpr std::size_t kMimicsMax = 100;       // one after the other
 const std::string kTooDeep = "its elements are nested more than 100 deep";
 constexpr double kFurthest = 1e6;  // [m]; beyond it is a slip, and sums would end at infinity
 
@@ -77,11 +82,10 @@ void requireHarmless(const XMLElement& element, std::size_t depth, std::size_t& 
   }
   const std::string owner = "the element <" + printable(name, 100) + "> has ";
   std::size_t attributes = 0;
-  const auto* attribute = element.FirstAttribute();
-  for (; attribute != nullptr; attribute = attribute->Next()) {
+  for (const auto* a = element.FirstAttribute(); a != nullptr; a = a->Next()) {
     if (++attributes > kAttributesMax) refuse(line, owner + "more than 100 attributes");
     const bool names_file = name == "mesh" || name == "texture";
-    if (!names_file && std::string_view(attribute->Value()).find('%') != std::string_view::npos) {
+    if (!names_file && std::strchr(a->Value(), '%') != nullptr) {
       refuse(line, owner + "a percent sign in an attribute");
     }
   }
@@ -94,29 +98,29 @@ void requireHarmless(const XMLElement& element, std::size_t depth, std::size_t& 
 /// urdfdom lets a link have two parents, and a circle of links beside the tree; where each link has
 /// a parent, it finds no root, and names none of them.
 void requireTree(const XMLElement& robot) {
-  struct Above {
-    std::string joint, parent;
-  };
-  const auto linkIn = [](const XMLElement* end) {
-    const char* link = end == nullptr ? nullptr : end->Attribute("link");
+  const auto linkAt = [](const XMLElement& joint, const char* end) {
+    const XMLElement* element = joint.FirstChildElement(end);
+    const char* link = element == nullptr ? nullptr : element->Attribute("link");
     return std::string(link == nullptr ? "" : link);
   };
-  std::map<std::string, Above> above;  // by child
+  std::map<std::string, const XMLElement*> above;  // the joint, by child
   const XMLElement* joint = robot.FirstChildElement("joint");
   for (; joint != nullptr; joint = joint->NextSiblingElement("joint")) {
     const char* name = joint->Attribute("name");
-    const std::string child = linkIn(joint->FirstChildElement("child"));
-    const std::string parent = linkIn(joint->FirstChildElement("parent"));
-    if (name == nullptr || child.empty() || parent.empty()) continue;  // urdfdom refuses it
-    const auto [known, is_new] = above.emplace(child, Above{name, parent});
-    if (!is_new) {
-      refuse(joint->GetLineNum(), "link '" + child + "' is the child of joint '" +
-                                      known->second.joint + "' and of joint '" + name + "'");
+    const std::string child = linkAt(*joint, "child");
+    if (name == nullptr || child.empty() || linkAt(*joint, "parent").empty()) {
+      continue;  // urdfdom refuses it
     }
+    const auto [known, is_new] = above.emplace(child, joint);
+    if (is_new) continue;
+    refuse(joint->GetLineNum(), "link '" + child + "' is the child of joint '" +
+                                    known->second->Attribute("name") + "' and of joint '" + name +
+                                    "'");
   }
   std::map<std::string, std::string> seen;  // on the way up from which link
   for (const auto& start : above) {
-    for (auto at = above.find(start.first); at != above.end(); at = above.find(at->second.parent)) {
+    for (auto at = above.find(start.first); at != above.end();
+         at = above.find(linkAt(*at->second, "parent"))) {
       const auto [entry, is_new] = seen.emplace(at->first, start.first);
       if (is_new) continue;
       if (entry->second != start.first) break;
@@ -171,11 +175,7 @@ class ErrorCatcher : public console_bridge::OutputHandler {
   }
   ~ErrorCatcher() override {
     console_bridge::setLogLevel(level_);
-    if (previous_) {
-      console_bridge::useOutputHandler(previous_);
-    } else {
-      console_bridge::noOutputHandler();
-    }
+    console_bridge::restorePreviousOutputHandler();
   }
   ErrorCatcher(const ErrorCatcher&) = delete;
   ErrorCatcher& operator=(const ErrorCatcher&) = delete;
@@ -191,10 +191,160 @@ class ErrorCatcher : public console_bridge::OutputHandler {
  private:
   inline static std::mutex mutex_;
   std::lock_guard<std::mutex> lock_{mutex_};
-  console_bridge::OutputHandler* previous_ = console_bridge::getOutputHandler();
   console_bridge::LogLevel level_ = console_bridge::getLogLevel();
   std::size_t count_ = 0;
   std::string errors_;
+};
+
+[[noreturn]] void refuse(const urdf::Joint& joint, const std::string& why) {
+  throw ConfigError("joint '" + joint.name + "': " + why);
+}
+
+/// Whether joint states say where the joint's child is; not so for floating and planar joints.
+bool isPlacedByJointStates(const urdf::Joint& joint) {
+  return joint.type != urdf::Joint::FLOATING && joint.type != urdf::Joint::PLANAR;
+}
+
+RobotJoint::Motion motionOf(const urdf::Joint& joint) {
+  if (joint.type == urdf::Joint::FIXED) return RobotJoint::Motion::kFixed;
+  if (joint.type == urdf::Joint::PRISMATIC) return RobotJoint::Motion::kTranslation;
+  const bool turns = joint.type == urdf::Joint::REVOLUTE || joint.type == urdf::Joint::CONTINUOUS;
+  if (!turns) refuse(joint, "its type is unknown");
+  return RobotJoint::Motion::kRotation;
+}
+
+JointVariable variableOf(const urdf::Joint& joint) {
+  JointVariable variable{joint.name, std::nullopt, std::nullopt};
+  // A <limit> that states neither end is read as 0, 0: that is no limit.
+  const bool stated = joint.limits && (joint.limits->lower != 0.0 || joint.limits->upper != 0.0);
+  if (joint.type != urdf::Joint::CONTINUOUS && stated) {
+    variable.lower = joint.limits->lower;
+    variable.upper = joint.limits->upper;
+    if (!(*variable.lower <= *variable.upper)) {
+      refuse(joint, "its lower limit is above its upper limit");
+    }
+  }
+  return variable;
+}
+
+/// A joint that moves by itself, with the multiplier and offset that lead from it to a mimic.
+struct Drive {
+  urdf::JointConstSharedPtr joint;
+  double multiplier = 1.0;
+  double offset = 0.0;
+};
+
+Drive driveOf(const urdf::ModelInterface& urdf, const urdf::JointConstSharedPtr& joint) {
+  Drive drive{joint};
+  for (std::size_t hops = 0; drive.joint->mimic; ++hops) {
+    const urdf::JointMimic& mimic = *drive.joint->mimic;
+    const auto source = urdf.getJoint(mimic.joint_name);
+    if (!source || hops == kMimicsMax) {
+      refuse(*joint, "it mimics '" + mimic.joint_name +
+                         "', which leads to no joint that moves by itself within 100 mimics");
+    }
+    drive.offset += drive.multiplier * mimic.offset;
+    drive.multiplier *= mimic.multiplier;
+    drive.joint = source;
+  }
+  if (!(std::abs(drive.multiplier) <= kMultiplierMax && std::abs(drive.offset) <= kMultiplierMax)) {
+    refuse(*joint, "the multiplier or offset of its mimic is out of all range");
+  }
+  if (!isPlacedByJointStates(*drive.joint) || drive.joint->type == urdf::Joint::FIXED) {
+    refuse(*joint, "it mimics '" + drive.joint->name + "', which has no position of its own");
+  }
+  return drive;
+}
+
+/// Whether transforms have to place the link.
+bool isRoot(const urdf::Link& link) {
+  return !link.parent_joint || !isPlacedByJointStates(*link.parent_joint);
+}
+
+class TreeBuilder {
+ public:
+  TreeBuilder(const urdf::ModelInterface& urdf, const std::map<std::string, double>& fixed_joints)
+      : urdf_(urdf), fixed_joints_(fixed_joints) {
+    for (const auto& [joint, position] : fixed_joints_) requireMovable(joint, position);
+  }
+
+  JointTree build(const std::vector<std::string>& monitored) {
+    std::set<std::string> kept;
+    for (const std::string& name : monitored) {
+      const urdf::Link* link = urdf_.getLink(name).get();
+      // Above a link that is kept already all are.
+      while (kept.insert(link->name).second && !isRoot(*link)) link = link->getParent().get();
+    }
+    for (const auto& link : linksInOrder(urdf_)) {
+      if (kept.count(link->name) > 0) addLink(*link);
+    }
+    return std::move(tree_);
+  }
+
+ private:
+  void requireMovable(const std::string& name, double position) const {
+    const std::string key = "fixed_joints/" + name;
+    const auto joint = urdf_.getJoint(name);
+    if (!joint) throw ConfigError(key + ": robot_description has no such joint");
+    if (joint->mimic) throw ConfigError(key + ": it mimics '" + joint->mimic->joint_name + "'");
+    if (!isPlacedByJointStates(*joint) || joint->type == urdf::Joint::FIXED) {
+      throw ConfigError(key + ": the joint has no position");
+    }
+    const JointVariable variable = variableOf(*joint);
+    requireInRange(key, position, variable.lower.value_or(-1e6), variable.upper.value_or(1e6));
+  }
+
+  void addLink(const urdf::Link& link) {
+    const std::size_t index = tree_.links.size();
+    tree_.links.push_back(link.name);
+    link_indices_.emplace(link.name, index);
+    if (isRoot(link)) return tree_.roots.push_back(index);
+    const urdf::Joint& above = *link.parent_joint;
+    RobotJoint joint;
+    joint.name = above.name;
+    joint.motion = motionOf(above);
+    joint.child = index;
+    joint.parent = link_indices_.at(above.parent_link_name);
+    joint.T_parent_joint =
+        toPose(above.parent_to_joint_origin_transform, "joint '" + above.name + "'");
+    if (joint.motion != RobotJoint::Motion::kFixed) addMotion(link.parent_joint, joint);
+    tree_.joints.push_back(joint);
+  }
+
+  void addMotion(const urdf::JointConstSharedPtr& urdf_joint, RobotJoint& joint) {
+    joint.axis << urdf_joint->axis.x, urdf_joint->axis.y, urdf_joint->axis.z;
+    const double length = joint.axis.norm();
+    if (!(length > 1e-6 && std::isfinite(length))) {
+      refuse(*urdf_joint, "its axis has no direction");
+    }
+    joint.axis /= length;
+    const Drive drive = driveOf(urdf_, urdf_joint);
+    joint.multiplier = drive.multiplier;
+    joint.offset = drive.offset;
+    const auto fixed = fixed_joints_.find(drive.joint->name);
+    if (fixed == fixed_joints_.end()) {
+      joint.variable = variableIndex(*drive.joint);
+      return;
+    }
+    const double position = joint.multiplier * fixed->second + joint.offset;
+    joint.T_parent_joint =
+        joint.T_parent_joint * (joint.motion == RobotJoint::Motion::kRotation
+                                    ? Pose(Eigen::AngleAxisd(position, joint.axis))
+                                    : Pose(Eigen::Translation3d(position * joint.axis)));
+    joint.motion = RobotJoint::Motion::kFixed;
+  }
+
+  std::size_t variableIndex(const urdf::Joint& joint) {
+    const auto [entry, is_new] = variable_indices_.emplace(joint.name, tree_.variables.size());
+    if (is_new) tree_.variables.push_back(variableOf(joint));
+    return entry->second;
+  }
+
+  const urdf::ModelInterface& urdf_;
+  const std::map<std::string, double>& fixed_joints_;
+  JointTree tree_;
+  std::map<std::string, std::size_t> link_indices_;
+  std::map<std::string, std::size_t> variable_indices_;
 };
 
 }  // namespace
@@ -236,6 +386,12 @@ Pose toPose(const urdf::Pose& pose, const std::string& owner) {
     throw ConfigError(owner + ": its origin is not finite, or beyond 1000 km");
   }
   return result;
+}
+
+JointTree buildJointTree(const urdf::ModelInterface& urdf,
+                         const std::vector<std::string>& monitored,
+                         const std::map<std::string, double>& fixed_joints) {
+  return TreeBuilder(urdf, fixed_joints).build(monitored);
 }
 
 }  // namespace tccm

@@ -3,10 +3,11 @@
 #include <urdf_model/model.h>
 #include <urdf_world/types.h>
 
+#include <map>
 #include <string>
 #include <vector>
 
-#include "tccm_monitor/pose.h"
+#include "tccm_monitor/robot_model.h"
 
 namespace tccm {
 
@@ -19,5 +20,11 @@ namespace tccm {
 
 /// @throws ConfigError naming owner where it is not finite.
 [[nodiscard]] Pose toPose(const urdf::Pose& pose, const std::string& owner);
+
+/// @param monitored the links to be placed. @param fixed_joints positions of joints that are not
+/// heard of. @throws ConfigError naming the joint.
+[[nodiscard]] JointTree buildJointTree(const urdf::ModelInterface& urdf,
+                                       const std::vector<std::string>& monitored,
+                                       const std::map<std::string, double>& fixed_joints);
 
 }  // namespace tccm

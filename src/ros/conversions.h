@@ -12,7 +12,7 @@
 #include <string>
 
 #include "map/mapper.h"
-#include "robot/joint_trajectory.h"
+#include "robot/joint_path.h"
 #include "scan/assembled_scan.h"
 #include "tccm_monitor/cuboid_map.h"
 #include "tccm_monitor/laser_scan.h"

@@ -14,7 +14,7 @@
 #include <system_error>
 #include <vector>
 
-#include "mesh/mesh_file.h"
+#include "mesh/mesh.h"
 #include "mesh/text.h"
 #include "tccm_monitor/config_error.h"
 

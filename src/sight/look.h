@@ -4,6 +4,8 @@
 
 namespace tccm {
 
+constexpr double kNearestLook = 1e-3;  // [m]; what is this near has no direction
+
 /// What one beam says of the space along it: there was nothing between the viewpoint and its end.
 struct Look {
   Vector3 viewpoint;  ///< the sensor's origin [m, fixed frame]

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sight/look.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {
-
-constexpr double kNearest = 1e-3;  // [m]; what is this near has no direction
 
 /// Pixels; a thing as large as a hand shows in directions beside that of its middle.
 constexpr double kNeighbours = 1.0;
@@ -36,7 +35,7 @@ LookImage::LookImage(double resolution_rad)
 LookImage::Sight LookImage::at(const Vector3& p_fixed, double margin_m) const {
   const Vector3 sight = p_fixed - viewpoint_;
   const double range = sight.norm();
-  if (!(range > kNearest)) return {Sight::Kind::kNeverLooked, epoch_};
+  if (!(range > kNearestLook)) return {Sight::Kind::kNeverLooked, epoch_};
   return at(grid_.pixelOf(sight), range, margin_m);
 }
 
@@ -73,7 +72,7 @@ bool LookImage::reachedSince(Time since, std::size_t pixel, double range_m) cons
 bool LookImage::inViewSince(Time since, const Vector3& p_fixed, double margin_m) const {
   const Vector3 sight = p_fixed - viewpoint_;
   const double range = sight.norm();
-  if (!(range > kNearest)) return false;
+  if (!(range > kNearestLook)) return false;
   const std::size_t pixel = grid_.pixelOf(sight);
   const int row = grid_.rowOfPixel(pixel), column = grid_.columnOfPixel(pixel, row);
   if (row <= row_begin_ || row + 1 >= row_end_) return false;
@@ -105,7 +104,7 @@ template <typename Visit>
 void LookImage::visitSeen(const Vector3& p_fixed, double margin_m, Visit&& visit) const {
   const Vector3 sight = p_fixed - viewpoint_;
   const double range = sight.norm();
-  if (!(range > kNearest)) return;
+  if (!(range > kNearestLook)) return;
   const std::size_t pixel = grid_.pixelOf(sight);
   const int row = grid_.rowOfPixel(pixel), column = grid_.columnOfPixel(pixel, row);
   const double along_least = range * std::cos(kNeighbours * grid_.resolution());

@@ -14,7 +14,6 @@ constexpr double kMeanShare = 0.02;  // of the newest scan in the mean viewpoint
 constexpr double kJump = 0.05;       // [m] beyond that a sensor does not swing, it drives
 constexpr double kMoveMax = 0.01;    // [m] of the mean, before directions are taken from there
 constexpr float kElsewhere = 0.25F;  // [m]; a head that turns moves its sensor by less
-constexpr double kNearest = 1e-3;    // [m]; an end this near has no direction
 constexpr Duration kLongest = std::chrono::hours(24 * 24);  // that milliseconds are counted for
 
 /// A look that is unclear counts only where no other does.
@@ -90,7 +89,7 @@ void LookMap::follow(const Vector3& viewpoint) {
 std::optional<LookMap::Beam> LookMap::beamTo(const Vector3& end, const Pass& pass) const {
   const Vector3 sight = end - image_.viewpoint();
   const double range = sight.norm();
-  if (!(range > kNearest)) return std::nullopt;  // NaN, too
+  if (!(range > kNearestLook)) return std::nullopt;  // NaN, too
   const DirectionGrid& grid = image_.grid();
   Beam beam{end, sight / range, pass, grid.pixelOf(sight)};
   beam.pass.range_mm = toMillimetres(range);

@@ -6,7 +6,6 @@
 namespace tccm {
 namespace {
 
-constexpr double kNearest = 1e-3;         // [m]; what is this near has no direction
 constexpr std::uint32_t kNeighbours = 3;  // scans before one that pass beside it
 constexpr double kSwing = 0.02;           // [m] that a sensor's origin moves at most within a scan
 
@@ -66,7 +65,7 @@ void NewestLooks::addOutlines(std::uint32_t serial, const std::vector<Look>& loo
     if (look.what != Seen::kRobot) continue;
     const Vector3 sight = look.end - look.viewpoint;
     const double distance = sight.norm();
-    if (!(distance > kNearest)) continue;  // NaN, too
+    if (!(distance > kNearestLook)) continue;  // NaN, too
     const std::size_t own = grid_.pixelOf(sight);
     if (own != pixel) {
       if (nearest != kNone) addOutline(pixel, nearest, serial);
@@ -96,7 +95,7 @@ void NewestLooks::addLines(std::uint32_t serial, const std::vector<Look>& looks,
     if (look.what == Seen::kRobot || look.what == Seen::kUnclear) continue;
     const Vector3 sight = look.end - look.viewpoint;
     const double range = sight.norm();
-    if (!(range > kNearest)) continue;  // NaN, too
+    if (!(range > kNearestLook)) continue;  // NaN, too
     const std::size_t pixel = grid_.pixelOf(sight);
     Line& line = lines_[pixel];
     // Of one scan the look that saw the farthest.
@@ -111,7 +110,7 @@ void NewestLooks::addLines(std::uint32_t serial, const std::vector<Look>& looks,
 bool NewestLooks::sawSince(std::uint32_t serial, const Vector3& p_fixed, const Vector3& viewpoint,
                            double short_m) const {
   const Vector3 sight = p_fixed - viewpoint;
-  if (!(sight.squaredNorm() > kNearest * kNearest)) return false;
+  if (!(sight.squaredNorm() > kNearestLook * kNearestLook)) return false;
   return grid_.visitAround(grid_.pixelOf(sight), looking_, [&](int row, int column) {
     const Line& line = lines_[grid_.index(row, column)];
     if (line.range < 0.0F || !isAfter(line.serial, serial)) return false;
@@ -126,7 +125,7 @@ bool NewestLooks::sawSince(std::uint32_t serial, const Vector3& p_fixed, const V
 bool NewestLooks::sawLast(const Vector3& p_fixed, const Vector3& viewpoint, double short_m) const {
   const Vector3 sight = p_fixed - viewpoint;
   const double range = sight.norm();
-  if (!(range > kNearest)) return false;
+  if (!(range > kNearestLook)) return false;
   // Twice the swing, as angles: of the place's direction and of the looks'.
   const double reach = band_ + angle_ + 2.0 * kSwing / range;
   if (std::abs(sight.dot(normal_)) > reach * range) return false;

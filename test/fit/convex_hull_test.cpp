@@ -1,9 +1,8 @@
-#include "fit/convex_hull.h"
-
 #include <gtest/gtest.h>
 
 #include <set>
 
+#include "fit/points.h"
 #include "support/random.h"
 
 namespace tccm {

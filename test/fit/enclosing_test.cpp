@@ -5,8 +5,7 @@
 #include <array>
 #include <limits>
 
-#include "fit/directions.h"
-#include "fit/smallest.h"
+#include "fit/points.h"
 #include "support/random.h"
 
 namespace tccm {

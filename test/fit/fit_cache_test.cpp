@@ -1,5 +1,3 @@
-#include "fit/fit_cache.h"
-
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -8,6 +6,7 @@
 #include <cstring>
 #include <thread>
 
+#include "fit/primitive_fit.h"
 #include "support/random.h"
 #include "support/temporary_folder.h"
 

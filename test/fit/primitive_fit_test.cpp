@@ -6,7 +6,7 @@
 #include <limits>
 #include <memory>
 
-#include "fit/convex_hull.h"
+#include "fit/points.h"
 #include "support/geometric_shapes_body.h"
 #include "support/random.h"
 #include "tccm_monitor/config_error.h"

@@ -6,7 +6,7 @@
 
 #include "fit/primitive_fit.h"
 #include "fuzz/promises.h"
-#include "mesh/mesh_file.h"
+#include "mesh/mesh.h"
 
 /// What the fuzz target of readMesh() and the test of its corpus do with an input: a byte that
 /// chooses the format, and a file.

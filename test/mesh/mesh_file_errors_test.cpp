@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "mesh/mesh_file.h"
+#include "mesh/mesh.h"
 #include "support/mesh_texts.h"
 #include "support/random.h"
 #include "tccm_monitor/config_error.h"

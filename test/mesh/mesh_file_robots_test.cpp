@@ -13,7 +13,7 @@
 #include <map>
 #include <sstream>
 
-#include "mesh/mesh_file.h"
+#include "mesh/mesh.h"
 #include "support/mesh_texts.h"
 #include "support/random.h"
 #include "support/shared_data.h"

@@ -1,11 +1,10 @@
-#include "mesh/mesh_file.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <limits>
 #include <set>
 
+#include "mesh/mesh.h"
 #include "support/mesh_texts.h"
 #include "support/near.h"
 #include "tccm_monitor/config_error.h"

@@ -1,5 +1,3 @@
-#include "robot/joint_trajectory.h"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -8,6 +6,7 @@
 #include <functional>
 #include <limits>
 
+#include "robot/joint_path.h"
 #include "support/random.h"
 #include "support/refusal.h"
 #include "support/tiny_robot.h"

@@ -40,12 +40,12 @@ def sources(*patterns):
 
 
 def topics():
-    return set(PUBLISHED.findall(sources("src/nodelets/*.cpp", "src/ros/*.cpp", "simulation/*.cpp",
+    return set(PUBLISHED.findall(sources("src/nodelets/*.[ch]*", "src/ros/*.[ch]*", "simulation/*.cpp",
                                          "examples/*.cpp", "examples/*.py", "examples/send_goal")))
 
 
 def services():
-    return set(SERVED.findall(sources("src/nodelets/*.cpp", "src/ros/*.cpp", "examples/*.cpp")))
+    return set(SERVED.findall(sources("src/nodelets/*.[ch]*", "src/ros/*.[ch]*", "examples/*.cpp")))
 
 
 def entries(constant):

@@ -21,6 +21,9 @@ class PrintParametersTest(unittest.TestCase):
 
     def test_the_page_of_parameters(self):
         self.assert_prints("docs/parameters.md", "--page")
+        done = subprocess.run([PROGRAM, "--page"], capture_output=True, text=True, check=True)
+        self.assertIn("| `cell_size_m` | `0.02` | m | 0.001 to 1 |  | edge of a cell |\n", done.stdout)
+        self.assertIn("| `check_occlusion` | `true` |  |  | yes | ", done.stdout)
 
 
 if __name__ == "__main__":
