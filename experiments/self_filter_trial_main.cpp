@@ -62,7 +62,7 @@ void declare(CLI::App& app, Options& options) {
 
 nlohmann::ordered_json settingsToJson(const Options& options) {
   const Simulator::Config& simulator = options.trial.simulator;
-  const ScanAssembler::Config& assembler = options.trial.monitor.scan.assembler;
+  const ScanAssembler& assembler = options.trial.monitor.scan.assembler;
   return {
       {"minutes", options.minutes},
       {"seed", simulator.seed},

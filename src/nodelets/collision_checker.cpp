@@ -245,12 +245,17 @@ bool CollisionChecker::clockStalls() {
 void CollisionChecker::publishPermission() {
   published_ = verdict_->level;
   const ros::Time now = ros::Time::now();
-  tccm_monitor::MotionPermission permission = permissionOf(*verdict_);
+  tccm_monitor::MotionPermission permission;
   permission.header.frame_id = withoutSlash(config_.fixed_frame);
   permission.header.stamp = now;
   permission.sequence = ++permissions_;
   permission.valid_until =
       now + ros::Duration(config_.permission_valid_periods / config_.publish_rate_hz);
+  permission.level = static_cast<std::uint8_t>(verdict_->level);
+  permission.permitted = !verdict_->stop;
+  permission.speed_scale = verdict_->stop ? 0.0 : verdict_->speed_scale;
+  for (const Reason reason : verdict_->reasons) permission.reasons.emplace_back(name(reason));
+  permission.detail = verdict_->detail;
   permission_publisher_.publish(permission);
   publishValue<std_msgs::Bool>(stop_publisher_, verdict_->stop);
   // What is not known is not clear.

@@ -84,12 +84,6 @@ void addMap(const Verdict& verdict, const CuboidMap& map, MonitorStatus& message
   }
 }
 
-std::vector<std::string> namesOf(const Verdict& verdict) {
-  std::vector<std::string> names;
-  for (const Reason reason : verdict.reasons) names.emplace_back(name(reason));
-  return names;
-}
-
 }  // namespace
 
 const char* name(Level level) {
@@ -125,7 +119,7 @@ MonitorStatus statusOf(const Verdict& verdict, const Checker& checker) {
   message.header.stamp = toRos(verdict.stamp);
   message.level = static_cast<std::uint8_t>(verdict.level);
   message.reason = name(verdict.reason);
-  message.reasons = namesOf(verdict);
+  for (const Reason reason : verdict.reasons) message.reasons.emplace_back(name(reason));
   message.detail = verdict.detail;
   message.speed_scale = verdict.speed_scale;
   message.latched = verdict.latched == Reason::kClear ? "" : name(verdict.latched);
@@ -157,16 +151,6 @@ MonitorStatus statusOf(const Verdict& verdict, const Checker& checker) {
       std::numeric_limits<double>::infinity();
   addFirstContact(verdict, checker, message);
   if (const CuboidMap* map = checker.map()) addMap(verdict, *map, message);
-  return message;
-}
-
-tccm_monitor::MotionPermission permissionOf(const Verdict& verdict) {
-  tccm_monitor::MotionPermission message;
-  message.level = static_cast<std::uint8_t>(verdict.level);
-  message.permitted = !verdict.stop;
-  message.speed_scale = verdict.stop ? 0.0 : verdict.speed_scale;
-  message.reasons = namesOf(verdict);
-  message.detail = verdict.detail;
   return message;
 }
 

@@ -2,7 +2,6 @@
 
 #include <tccm_monitor/CuboidFlag.h>
 #include <tccm_monitor/MonitorStatus.h>
-#include <tccm_monitor/MotionPermission.h>
 
 #include <vector>
 
@@ -26,8 +25,5 @@ struct Flagged {
 
 /// All but the frame and the latencies. @param checker that gave the verdict.
 [[nodiscard]] tccm_monitor::MonitorStatus statusOf(const Verdict& verdict, const Checker& checker);
-
-/// All but the header, sequence and valid_until.
-[[nodiscard]] tccm_monitor::MotionPermission permissionOf(const Verdict& verdict);
 
 }  // namespace tccm
