@@ -78,7 +78,7 @@ bool Columns::insert(CellIndex cell, Height bottom, Height top, std::uint32_t se
   // One interval of its own, and one more where it splits another in two.
   if (used_ + 2 > intervals_max_) return false;
   Interval added{bottom, top, serial, serial, first_[cell], kNone, kNone, kNone, cell};
-  std::uint32_t& next = added.next;
+  std::uint32_t next = added.next;
   while (next != kNone && pool_[next].top < bottom) {
     added.previous = next;
     next = pool_[next].next;
@@ -108,6 +108,7 @@ bool Columns::insert(CellIndex cell, Height bottom, Height top, std::uint32_t se
     leaveOwner(index);
     release(index);
   }
+  added.next = next;
   take(added);
   return true;
 }
