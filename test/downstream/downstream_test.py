@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import re
 import subprocess
 import tempfile
 import unittest
@@ -49,8 +50,11 @@ class DownstreamTest(unittest.TestCase):
         self.assert_package_works(DEVEL)
 
     def test_a_package_on_the_installed_one(self):
-        run("cmake", "--install", BUILD, "--prefix", self.folder / "install")
-        self.assert_package_works(self.folder / "install")
+        # catkin's own scripts go to the configured prefix, whatever --prefix says.
+        run("env", f"DESTDIR={self.folder}", "cmake", "--install", BUILD)
+        cache = (BUILD / "CMakeCache.txt").read_text()
+        prefix = re.search("^CMAKE_INSTALL_PREFIX:PATH=/(.*)$", cache, re.MULTILINE).group(1)
+        self.assert_package_works(self.folder / prefix)
 
     def test_a_project_without_ros_on_the_core_alone(self):
         core, installed = BUILD / "core_alone", self.folder / "install"
