@@ -40,6 +40,7 @@ class Attachments {
   /// Now and then: what no map takes into account for too long is checked all the same.
   void hurry() {
     if (pending_.empty() || (ros::WallTime::now() - pending_since_).toSec() < kMapWaitMax) return;
+    pending_since_ = ros::WallTime::now();
     ROS_WARN(
         "No cuboid_map took the attached objects into account: they may touch what was seen of "
         "them.");
