@@ -215,8 +215,10 @@ TEST_F(GovernedHand, AfterTimeJumpedBackItIsAsAtTheStart) {
   bool limited = false;
   for (; now_ < 0.8; now_ += kStep, x_ += 0.2 * kStep) {
     const JointSnapshot joints{at(now_), at(now_), {x_, 0.0}, {0.2, 0.0}};
-    const double allowed_mps = limitOf(fresh, joints).allowed_mps;
-    EXPECT_EQ(limitOf(*governor_, joints).allowed_mps, allowed_mps) << now_;
+    const GovernedSpeed::Limit expected = limitOf(fresh, joints);
+    const GovernedSpeed::Limit& limit = limitOf(*governor_, joints);
+    EXPECT_EQ(limit.allowed_mps, expected.allowed_mps) << now_;
+    EXPECT_EQ(limit.scale, expected.scale) << now_;
     limited = limited || fresh.limit().scale < 1.0;
   }
   EXPECT_TRUE(limited);
