@@ -203,6 +203,8 @@ TEST_F(GovernedHand, AnotherThatTakesOverLimitsAsMuch) {
 }
 
 TEST_F(GovernedHand, AfterTimeJumpedBackItIsAsAtTheStart) {
+  config_.speed_max_mps = 0.05;  // what is commanded is told by speed and scale from then on
+  SetUp();
   run(2.0, 0.4, {0.0, 0.5});
   governor_->startAnew();
   GovernedSpeed fresh(model_, config_, {0});
