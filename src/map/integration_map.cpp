@@ -123,11 +123,6 @@ IntegrationMap::Added IntegrationMap::add(Time stamp, const std::vector<Vector3>
   return added;
 }
 
-void IntegrationMap::note(const MappedReturn& entry) {
-  ring_.add(entry);
-  counts_.add(entry.cell, entry.height);
-}
-
 std::size_t IntegrationMap::forget(const Region& region, Time until) {
   validate(region);
   forgotten_.add(region, until);

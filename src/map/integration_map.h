@@ -113,7 +113,10 @@ class IntegrationMap {
   void reserve(CuboidMap& map) const;
 
  private:
-  void note(const MappedReturn& entry);
+  void note(MappedReturn entry) {  // by value: read from memory as a whole, it would wait
+    ring_.add(entry);
+    counts_.add(entry.cell, entry.height);
+  }
   /// What forget() does to a cell.
   struct Loss {
     bool near = false;
