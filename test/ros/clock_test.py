@@ -11,8 +11,8 @@ from rosgraph_msgs.msg import Clock
 from std_srvs.srv import SetBool, Trigger
 
 from gated_robot import wait_for
-from monitor_recorder import (FLAGS, PUBLISH_PERIOD, START, Recorder, Recording, wait_for_nodelets,
-                              wait_until)
+from monitor_recorder import (FLAGS, GAP_MAX, PUBLISH_PERIOD, START, Recorder, Recording,
+                              wait_for_nodelets, wait_until)
 from tccm_monitor.msg import MonitorStatus, MotionPermission
 
 PLAYED = 4.0  # seconds of the recording
@@ -20,7 +20,6 @@ PAUSED = START + 1.5
 WINDOW = 0.4
 STALL_LIMIT = 0.5  # seconds of the wall clock
 SLACK = 0.1  # both ends are measured here
-GAP_MAX = 0.25  # between two permissions, as they come in here
 
 
 class ClockTest(unittest.TestCase):

@@ -20,6 +20,9 @@ SCAN_PERIOD = 0.028
 PUBLISH_PERIOD = 0.02
 # What a loaded machine may add to the limits: the clock's step and the way through this program.
 SLACK = 0.04
+# Between two permissions, where the machine itself may stand still for a moment. How many there are is
+# counted, too.
+GAP_MAX = 0.5
 FLAGS = ("stop", "collision", "occlusion")
 
 

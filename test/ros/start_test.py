@@ -12,7 +12,7 @@ from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
 
 from gated_robot import MANAGER, wait_for
-from monitor_recorder import FLAGS, PUBLISH_PERIOD, Recorder
+from monitor_recorder import FLAGS, GAP_MAX, PUBLISH_PERIOD, SLACK, Recorder
 from tccm_monitor.msg import MotionPermission
 
 JOINT_LIMIT = 0.1
@@ -20,8 +20,6 @@ JOINT_LIMIT = 0.1
 OTHERS_LIMIT = 0.5
 FIRST_LIMIT = 0.1
 LISTENING = 2.0  # seconds
-SLACK = 0.04
-GAP_MAX = 0.15  # on a machine that may be busy
 
 
 class StartTest(unittest.TestCase):
