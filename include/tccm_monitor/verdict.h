@@ -39,7 +39,7 @@ enum class Reason : std::uint8_t {
   kNoTransform,      ///< the pose of the robot's root or of the sensor is unknown or too old
   kFuture,           ///< a scan, map or joint state is stamped in the future
   kCheckLate,        ///< checks take too long
-  kNoClock,          ///< simulated time stands still, so that nothing can grow old by it
+  kNoClock,          ///< time stands still, or goes to and fro, so that nothing can grow old by it
   kInternal,         ///< the check itself failed
   kBadQuestion,      ///< a state or trajectory to be checked cannot be understood
 };

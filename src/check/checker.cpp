@@ -99,6 +99,7 @@ void Checker::Parts::startAnew() {
 }
 
 const Verdict& Checker::Parts::check(Time now) {
+  clock_steps.add(now);
   if (started && verdict.stamp - now > fromSeconds(config.inputs.future_max_s)) startAnew();
   // A clock that is set back by a little goes on from where it was.
   if (started) now = std::max(now, verdict.stamp);
@@ -113,6 +114,8 @@ const Verdict& Checker::Parts::check(Time now) {
   findings.touching = {};
   findings.window = map ? map->window : Duration::zero();
   inputs.appendCauses(now, findings.causes);
+  if (clock_steps.goesToAndFro())
+    findings.causes.emplace_back(Reason::kNoClock, clock_steps.text());
   verdict.known = findings.known = findings.causes.empty();
   if (const std::string defect = commanded.defect(); !defect.empty()) {
     findings.causes.push_back({Reason::kBadTrajectory, "a commanded trajectory: " + defect});

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "check/checker_config.h"
+#include "check/clock_steps.h"
 
 namespace tccm {
 
@@ -49,6 +50,7 @@ struct Checker::Parts {
   Permission permission;
   Judges judges;
   Permission::Findings findings;  ///< of this check
+  ClockSteps clock_steps;
   bool started = false;
   Verdict verdict;
   CheckTimes times;

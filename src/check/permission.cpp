@@ -1,6 +1,7 @@
 #include "check/permission.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace tccm {
 namespace {
@@ -31,7 +32,12 @@ Permission::Permission(const Config& config) : config_(validated(config)) {
 
 void Permission::reconfigure(const Config& config) { config_ = validated(config); }
 
-void Permission::startAnew() { *this = Permission(config_); }
+void Permission::startAnew() {
+  Permission anew(config_);
+  anew.latched_ = latched_;
+  anew.was_ever_known_ = was_ever_known_;
+  *this = std::move(anew);
+}
 
 bool Permission::needsRelease(const Cause& cause) const {
   const bool found = cause.reason > Reason::kInit && cause.level == Level::kStop;
@@ -40,8 +46,10 @@ bool Permission::needsRelease(const Cause& cause) const {
 
 void Permission::latch(const Cause& cause) {
   if (!config_.hold_until_reset || !isLasting(cause.reason)) return;
-  // A fault before anything was known only says that the robot's other nodes are still starting.
-  if (levelOf(cause.reason) == Level::kFault && !was_known_) return;
+  // A fault before anything was known only says that the robot's other nodes are still starting;
+  // a clock that goes to and fro starts everything anew again and again.
+  const bool was_known = cause.reason == Reason::kNoClock ? was_ever_known_ : was_known_;
+  if (levelOf(cause.reason) == Level::kFault && !was_known) return;
   if (latched_.reason < cause.reason) latched_ = cause;
 }
 
@@ -74,6 +82,7 @@ void Permission::moveScale(Time now, double wanted) {
 
 const Permission::Decision& Permission::decide(Time now, Findings& findings) {
   was_known_ = was_known_ || findings.known;
+  was_ever_known_ = was_ever_known_ || was_known_;
   std::stable_sort(findings.causes.begin(), findings.causes.end(),
                    [](const Cause& a, const Cause& b) { return a.isWorseThan(b); });
   Cause worst = findings.causes.empty() ? Cause() : findings.causes.front();

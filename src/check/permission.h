@@ -51,7 +51,7 @@ class Permission {
   /// Lifts what holds until it is reset; of a robot in contact only a fault, and the collision
   /// holds instead. @return why not, in one line; empty where it is lifted.
   [[nodiscard]] std::string reset();
-  /// As at the start.
+  /// As at the start; but what holds until it is reset is lifted by a person, not by a clock.
   void startAnew();
 
  private:
@@ -62,6 +62,7 @@ class Permission {
 
   Config config_;
   bool was_known_ = false;         ///< since the start: what is missing before is no stop
+  bool was_ever_known_ = false;    ///< also before it started anew
   std::optional<Time> last_stop_;  ///< the last check that was not clear, INIT apart
   Reason last_stop_reason_ = Reason::kClear;  ///< what stopped it last
   int clear_checks_ = 0;                      ///< since then

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Simulated time stands still: a fault. It jumps back: all begins anew, as at the start."""
+"""Simulated time stands still: a fault. It jumps back: all begins anew, but what awaits a reset."""
 
 import subprocess
 import time
@@ -43,6 +43,8 @@ class ClockTest(unittest.TestCase):
         player = cls.play()
         wait_for(lambda: rospy.get_time() < START + 1.0)
         wait_until(START + 1.0)
+        cls.reset_at_last = cls.reset()
+        cls.ok_at_last = wait_for(cls.is_ok)
         player.terminate()
         player.wait()
 
@@ -118,18 +120,22 @@ class ClockTest(unittest.TestCase):
     def test_the_end_of_a_recording_is_a_fault_too(self):
         self.assertIsNotNone(self.stalled_at_the_end)
 
-    def test_a_jump_back_begins_anew_as_INIT(self):
+    def test_a_jump_back_begins_anew_as_INIT_and_lifts_no_latch(self):
         after = self.recorder.statuses[self.anew:]
         jump = next(i for i, status in enumerate(after)
                     if status.header.stamp.to_sec() < START + 1.0)
-        moves = next(i for i, status in enumerate(after) if i > jump and not status.stop)
-        begun = after[jump:moves]
+        waits = next(i for i, status in enumerate(after)
+                     if i > jump and status.reason == "AWAITING_RESET")
+        moves = next(i for i, status in enumerate(after) if i > waits and not status.stop)
+        begun = after[jump:waits]
         self.assertEqual({(status.level, status.reason) for status in begun},
                          {(MonitorStatus.STOP, "INIT")})
         self.assertFalse(any(status.known for status in begun))
         self.assertEqual({status.speed_scale for status in begun}, {0.0})
         self.assertGreater(after[moves].header.stamp.to_sec(), START + WINDOW)
-        self.assertEqual(after[moves].latched, "", "what was before does not count any more")
+        self.assertEqual({status.latched for status in after[jump:moves - 1]}, {"NO_CLOCK"})
+        self.assertTrue(self.reset_at_last.success, self.reset_at_last.message)
+        self.assertTrue(self.ok_at_last)
 
     def test_no_flag_says_clear_before_the_new_window_is_full(self):
         for flag in FLAGS:
