@@ -85,6 +85,7 @@ Json robotOf(const Evaluation& evaluation) {
           {"links_monitored", links.size()},
           {"primitives", model.shapes().size()},
           {"links_without_shape", model.linksWithoutShape()},
+          {"warnings", model.warnings()},
           {"joints_never_published", evaluation.missingJoints()}};
 }
 

@@ -10,7 +10,7 @@ constexpr const char* kNames[] = {"CLEAR",          "MOVING_OUT",       "SPEED_G
                                   "UNSEEN_AHEAD",   "RELEASING",        "AWAITING_RESET",
                                   "INIT",           "EVIDENCE_OLD",     "OCCLUSION_AHEAD",
                                   "OCCLUSION",      "COLLISION_AHEAD",  "COLLISION",
-                                  "BAD_TRAJECTORY", "MAP_OVERFLOW",     "NO_MAP",
+                                  "BAD_TRAJECTORY", "MAP_OVERFLOW",     "OUTSIDE_AREA",     "NO_MAP",
                                   "MAP_LATE",       "SWEEP_INCOMPLETE", "BLIND",
                                   "NO_JOINTS",      "NO_TRANSFORM",     "FUTURE_STAMP",
                                   "CHECK_LATE",     "NO_CLOCK",         "INTERNAL",

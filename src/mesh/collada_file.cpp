@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 #include <unordered_map>
 
 #include "mesh/mesh.h"
@@ -136,6 +137,20 @@ Eigen::Matrix3d upright(const XMLElement& root) {
   return rotation;
 }
 
+/// The lists of a <mesh> that name a vertex; others have no face.
+std::vector<const XMLElement*> faceListsOf(const XMLElement& mesh) {
+  static const std::set<std::string> kLists{"triangles", "lines",     "polylist",  "polygons",
+                                            "trifans",   "tristrips", "linestrips"};
+  std::vector<const XMLElement*> lists = childrenOf(mesh);
+  const auto isBare = [](const XMLElement* list) {
+    if (kLists.count(list->Name()) == 0) return true;
+    const bool is_named = list->FirstChildElement("p") || list->FirstChildElement("ph");
+    return !is_named && countIn(*list, "count", 0) == 0;
+  };
+  lists.erase(std::remove_if(lists.begin(), lists.end(), isBare), lists.end());
+  return lists;
+}
+
 /// Adds the faces of one of a mesh's lists.
 class FaceReader {
  public:
@@ -240,6 +255,10 @@ class SceneReader {
     const XMLElement* instance = elementAt(root_, {"scene", "instance_visual_scene"});
     if (instance == nullptr) throw ConfigError("it has no <scene> with an <instance_visual_scene>");
     addNodes(named(*instance, "url", "visual_scene"), T, 0);
+    if (bare_ > 0) {
+      mesh_.warnings.push_back("left out of its " + std::to_string(geometries_.size()) +
+                               " geometries are " + std::to_string(bare_) + " without a face");
+    }
     return std::move(mesh_);
   }
 
@@ -292,10 +311,12 @@ class SceneReader {
     Mesh mesh;
     const XMLElement* element = geometry.FirstChildElement("mesh");
     if (element == nullptr) return mesh;
+    const std::vector<const XMLElement*> lists = faceListsOf(*element);
+    if (lists.empty()) return mesh;
     const XMLElement* vertices = element->FirstChildElement("vertices");
     if (vertices == nullptr) throw ConfigError("a <mesh> has no <vertices>");
     mesh.vertices = positionsOf(named(inputOf(*vertices, "POSITION"), "source", "source"));
-    for (const XMLElement* child : childrenOf(*element)) FaceReader(*child, mesh).read();
+    for (const XMLElement* list : lists) FaceReader(*list, mesh).read();
     return mesh;
   }
 
@@ -334,7 +355,10 @@ class SceneReader {
   void addGeometry(const XMLElement& geometry, const Eigen::Affine3d& T) {
     const auto [entry, is_new] = geometries_.try_emplace(&geometry);
     Mesh& part = entry->second;
-    if (is_new) part = meshOf(geometry);
+    if (is_new) {
+      part = meshOf(geometry);
+      if (part.triangles.empty()) ++bare_;
+    }
     if (mesh_.vertices.size() + part.vertices.size() > kVerticesMax ||
         mesh_.triangles.size() + part.triangles.size() > kTrianglesMax) {
       throw ConfigError("it has too many vertices or triangles");
@@ -350,6 +374,7 @@ class SceneReader {
   std::unordered_map<std::string, const XMLElement*> ids_;
   std::map<const XMLElement*, Mesh> geometries_;
   std::size_t visits_ = 0;
+  std::size_t bare_ = 0;  ///< geometries without a face
   Mesh mesh_;
 };
 
@@ -363,9 +388,8 @@ Mesh readCollada(const std::string& content, bool apply_up_axis) {
   }
   tinyxml2::XMLDocument document;
   if (document.Parse(content.c_str(), content.size()) != tinyxml2::XML_SUCCESS) {
-    throw ConfigError("it is damaged or no COLLADA file: XML error " +
-                      std::string(document.ErrorName()) + " in line " +
-                      std::to_string(document.ErrorLineNum()));
+    throw ConfigError(std::string("it is damaged or no COLLADA file: XML error ") +
+                      document.ErrorName() + " in line " + std::to_string(document.ErrorLineNum()));
   }
   const XMLElement* root = document.RootElement();
   if (root == nullptr || std::string(root->Name()) != "COLLADA") {
