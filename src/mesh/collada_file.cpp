@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <set>
 #include <unordered_map>
 
 #include "mesh/mesh.h"
@@ -139,15 +138,14 @@ Eigen::Matrix3d upright(const XMLElement& root) {
 
 /// The lists of a <mesh> that name a vertex; others have no face.
 std::vector<const XMLElement*> faceListsOf(const XMLElement& mesh) {
-  static const std::set<std::string> kLists{"triangles", "lines",     "polylist",  "polygons",
-                                            "trifans",   "tristrips", "linestrips"};
-  std::vector<const XMLElement*> lists = childrenOf(mesh);
-  const auto isBare = [](const XMLElement* list) {
-    if (kLists.count(list->Name()) == 0) return true;
-    const bool is_named = list->FirstChildElement("p") || list->FirstChildElement("ph");
-    return !is_named && countIn(*list, "count", 0) == 0;
-  };
-  lists.erase(std::remove_if(lists.begin(), lists.end(), isBare), lists.end());
+  std::vector<const XMLElement*> lists;
+  for (const char* name :
+       {"triangles", "lines", "polylist", "polygons", "trifans", "tristrips", "linestrips"}) {
+    for (const XMLElement* list : childrenOf(mesh, name)) {
+      const bool is_named = list->FirstChildElement("p") || list->FirstChildElement("ph");
+      if (is_named || countIn(*list, "count", 0) > 0) lists.push_back(list);
+    }
+  }
   return lists;
 }
 
@@ -255,9 +253,11 @@ class SceneReader {
     const XMLElement* instance = elementAt(root_, {"scene", "instance_visual_scene"});
     if (instance == nullptr) throw ConfigError("it has no <scene> with an <instance_visual_scene>");
     addNodes(named(*instance, "url", "visual_scene"), T, 0);
-    if (bare_ > 0) {
-      mesh_.warnings.push_back("left out of its " + std::to_string(geometries_.size()) +
-                               " geometries are " + std::to_string(bare_) + " without a face");
+    const auto bare = std::count_if(geometries_.begin(), geometries_.end(),
+                                    [](const auto& part) { return part.second.triangles.empty(); });
+    if (bare > 0) {
+      mesh_.warnings.push_back(std::to_string(bare) + " of its " +
+                               std::to_string(geometries_.size()) + " geometries hold no face");
     }
     return std::move(mesh_);
   }
@@ -310,13 +310,11 @@ class SceneReader {
   [[nodiscard]] Mesh meshOf(const XMLElement& geometry) const {
     Mesh mesh;
     const XMLElement* element = geometry.FirstChildElement("mesh");
-    if (element == nullptr) return mesh;
-    const std::vector<const XMLElement*> lists = faceListsOf(*element);
-    if (lists.empty()) return mesh;
+    if (element == nullptr || faceListsOf(*element).empty()) return mesh;
     const XMLElement* vertices = element->FirstChildElement("vertices");
     if (vertices == nullptr) throw ConfigError("a <mesh> has no <vertices>");
     mesh.vertices = positionsOf(named(inputOf(*vertices, "POSITION"), "source", "source"));
-    for (const XMLElement* list : lists) FaceReader(*list, mesh).read();
+    for (const XMLElement* list : faceListsOf(*element)) FaceReader(*list, mesh).read();
     return mesh;
   }
 
@@ -355,10 +353,7 @@ class SceneReader {
   void addGeometry(const XMLElement& geometry, const Eigen::Affine3d& T) {
     const auto [entry, is_new] = geometries_.try_emplace(&geometry);
     Mesh& part = entry->second;
-    if (is_new) {
-      part = meshOf(geometry);
-      if (part.triangles.empty()) ++bare_;
-    }
+    if (is_new) part = meshOf(geometry);
     if (mesh_.vertices.size() + part.vertices.size() > kVerticesMax ||
         mesh_.triangles.size() + part.triangles.size() > kTrianglesMax) {
       throw ConfigError("it has too many vertices or triangles");
@@ -374,7 +369,6 @@ class SceneReader {
   std::unordered_map<std::string, const XMLElement*> ids_;
   std::map<const XMLElement*, Mesh> geometries_;
   std::size_t visits_ = 0;
-  std::size_t bare_ = 0;  ///< geometries without a face
   Mesh mesh_;
 };
 

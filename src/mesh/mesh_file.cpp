@@ -136,7 +136,7 @@ std::vector<bool> usedVertices(const Mesh& raw) {
 
 Vector3 scaled(const Vector3& p, const Vector3& scale) {
   const Vector3 result = p.cwiseProduct(scale);
-  if (!result.allFinite()) throw ConfigError("a coordinate is not finite");
+  if (!result.allFinite()) throw ConfigError("a coordinate is not finite, or beyond 1000 m");
   const double furthest = result.cwiseAbs().maxCoeff();
   if (furthest <= kFurthest) return result;
   throw ConfigError(oneDecimal(furthest) +
@@ -174,8 +174,8 @@ Mesh finished(const Mesh& raw, const Vector3& scale) {
   }
   const auto unused = std::count(used.begin(), used.end(), false);
   if (unused > 0) {
-    mesh.warnings.push_back("left out of its " + std::to_string(used.size()) + " vertices are " +
-                            std::to_string(unused) + " that no face uses");
+    mesh.warnings.push_back(std::to_string(unused) + " of its " + std::to_string(used.size()) +
+                            " vertices are left out: no face uses them");
   }
   return mesh;
 }
