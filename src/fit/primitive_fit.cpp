@@ -33,6 +33,9 @@ using Points = std::vector<Vector3>;
 
 void requireSound(const Mesh& mesh, const std::string& owner) {
   constexpr double kFarthest = 1e3;  // [m]; beyond it is a slip of units
+  if (mesh.triangles.empty() && !mesh.vertices.empty()) {
+    throw ConfigError(owner + ": the mesh has vertices and no triangle");
+  }
   for (const Vector3& p : mesh.vertices) {
     if (!p.allFinite()) throw ConfigError(owner + ": the mesh has a vertex that is not finite");
     if (p.cwiseAbs().maxCoeff() > kFarthest) {

@@ -98,7 +98,7 @@ TEST(UrdfTextTest, SeveralCollisionElementsAndWhatIsNoBodyAreTaken) {
       hand += "<collision name=\"c\"><origin xyz=\"0 0 0\"/><!-- a part --><geometry><!-- one -->" +
               randomShape(random) + "</geometry><verbose value=\"x\"/></collision>";
     }
-    hand += "<self_collision_checking/><inertial><mass value=\"1\"/></inertial>";
+    hand += "<self_collision_checking/>";
     const std::string urdf = robotOf(
         ballLink("base") + linkOf("hand", hand) + jointOf("wrist", "fixed", "base", "hand") +
         "<gazebo reference=\"hand\"><Collision/><collision><geometry/><geometry/>"
