@@ -137,6 +137,7 @@ int fit(Options& options) {
   const auto start = std::chrono::steady_clock::now();
   const RobotModel model = readModel(options);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  tellWarnings(model, "fit_primitives");
   printTable(model, std::cout);
   if (!model.cacheDefect().empty()) {
     std::cout << "fits are not kept for the next start: " << model.cacheDefect() << '\n';

@@ -82,6 +82,12 @@ bool runScript(const std::string& script, const std::vector<std::string>& argume
   return std::system(command.c_str()) == 0;
 }
 
+void tellWarnings(const RobotModel& model, const std::string& program) {
+  for (const std::string& warning : model.warnings()) {
+    std::fprintf(stderr, "%s: warning: %s\n", program.c_str(), warning.c_str());
+  }
+}
+
 Progress progressBar() {
   if (isatty(STDERR_FILENO) == 0) return {};
   return [shown = -1](double fraction) mutable {

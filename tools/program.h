@@ -54,6 +54,9 @@ void makeFolder(const std::string& path);
 /// @return whether it succeeded.
 [[nodiscard]] bool runScript(const std::string& script, const std::vector<std::string>& arguments);
 
+/// What of a robot is taken otherwise than it stands, a line each on standard error.
+void tellWarnings(const RobotModel& model, const std::string& program);
+
 /// @param fraction_done from 0 to 1.
 using Progress = std::function<void(double fraction_done)>;
 /// A bar on standard error; empty where that is no terminal.

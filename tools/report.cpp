@@ -81,11 +81,13 @@ Json robotOf(const Evaluation& evaluation) {
   const RobotModel& model = evaluation.model();
   std::set<std::size_t> links;
   for (const LinkShape& shape : model.shapes()) links.insert(shape.link);
-  return {{"name", model.name()},
-          {"links_monitored", links.size()},
-          {"primitives", model.shapes().size()},
-          {"links_without_shape", model.linksWithoutShape()},
-          {"joints_never_published", evaluation.missingJoints()}};
+  Json robot{{"name", model.name()},
+             {"links_monitored", links.size()},
+             {"primitives", model.shapes().size()},
+             {"links_without_shape", model.linksWithoutShape()},
+             {"joints_never_published", evaluation.missingJoints()}};
+  if (!model.warnings().empty()) robot["warnings"] = model.warnings();
+  return robot;
 }
 
 Json stopsOf(const Totals& totals) {

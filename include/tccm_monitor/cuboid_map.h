@@ -55,6 +55,10 @@ class Grid {
   /// The cell floor((x - origin) / cell_size) names; nothing outside the area, for NaN, or for a
   /// height outside the limits. @param p_fixed rounded by toMicrometre.
   [[nodiscard]] std::optional<CellIndex> cellOf(const Vector3& p_fixed) const;
+  /// Whether the map says anything of a place: not outside the area or the heights, nor for NaN.
+  [[nodiscard]] bool covers(const Vector3& p_fixed) const { return cellOf(p_fixed).has_value(); }
+  /// The whole of what it covers.
+  [[nodiscard]] UprightBox area() const;
   /// A return's cell and height.
   struct Place {
     CellIndex cell;

@@ -15,6 +15,7 @@ namespace tccm {
 
 class LinkSelector;
 class ParameterTable;
+struct LinkGeometry;
 struct LinkUse;
 struct LinkUseKeys;
 struct UsedShapes;
@@ -33,7 +34,8 @@ struct LinkElement {
   std::string source;    ///< "box", "cylinder", "sphere", "mesh" or "file" (primitives_file)
   std::string uri;       ///< of a mesh
   Vector3 mesh_scale = Vector3::Ones();
-  bool mesh_up_axis = false;  ///< Config::apply_mesh_up_axis
+  bool mesh_up_axis = false;    ///< Config::apply_mesh_up_axis
+  double mesh_longest_m = 0.0;  ///< the longest side of the upright box around a mesh, scaled
   Pose T_link_element = Pose::Identity();
   std::size_t first_shape = 0;  ///< index into RobotModel::shapes()
   std::size_t shapes = 0;
@@ -71,6 +73,8 @@ struct JointTree {
   std::vector<std::size_t> roots;
   std::vector<RobotJoint> joints;  ///< in the order of their child links
   std::vector<JointVariable> variables;
+  /// What is taken otherwise than it stands in the URDF, one line each.
+  std::vector<std::string> warnings;
 };
 
 /// What the robot holds: it moves with a link.
@@ -128,6 +132,7 @@ class RobotModel {
     std::map<std::string, double> fixed_joints;
     std::string primitives_file;
     bool apply_mesh_up_axis = false;
+    double link_size_max_m = 3.0;
     PrimitiveFitConfig fit;
 
     void describe(ParameterTable& table);
@@ -136,7 +141,7 @@ class RobotModel {
   };
 
   /// @throws ConfigError naming the element, also where a pattern matches no link, or a monitored
-  /// link has no shape, or one that cannot be read.
+  /// link has no shape, one that cannot be read, or one that is too large or too small to be meant.
   RobotModel(const std::string& urdf, const Config& config, const RobotResources& resources = {});
 
   [[nodiscard]] const std::string& name() const { return name_; }
@@ -165,6 +170,8 @@ class RobotModel {
   [[nodiscard]] const std::vector<std::string>& linksWithoutShape() const {
     return links_without_shape_;
   }
+  /// What of the URDF and its meshes is taken otherwise than it stands, or left out: one line each.
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
   /// Why fits could not be kept for the next start; empty where they could.
   [[nodiscard]] const std::string& cacheDefect() const { return cache_defect_; }
 
@@ -177,6 +184,8 @@ class RobotModel {
   [[nodiscard]] RobotModel holding(const std::vector<AttachedObject>& objects) const;
 
  private:
+  void add(const std::string& link, const LinkGeometry& geometry);
+
   std::string name_;
   std::shared_ptr<const LinkSelector> selector_;
   JointTree tree_;
@@ -185,6 +194,7 @@ class RobotModel {
   std::vector<std::string> links_without_shape_;
   std::set<std::string> all_joints_;
   std::map<std::string, double> fixed_joints_;
+  std::vector<std::string> warnings_;
   std::string cache_defect_;
 };
 

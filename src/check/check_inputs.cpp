@@ -119,6 +119,11 @@ bool CheckInputs::rootsKnown() const {
   return std::find(roots_.begin(), roots_.end(), std::nullopt) == roots_.end();
 }
 
+bool CheckInputs::rootsMove() const {
+  return std::any_of(roots_.begin(), roots_.end(),
+                     [](const auto& root) { return root && !root->is_static; });
+}
+
 bool CheckInputs::within(Time now, double seconds) const {
   return now - *started_ <= fromSeconds(seconds);
 }

@@ -61,6 +61,8 @@ class CheckInputs {
   [[nodiscard]] const JointStates& jointStates() const { return joints_; }
   [[nodiscard]] const std::vector<Pose>& rootPoses() const { return T_fixed_roots_; }
   [[nodiscard]] bool rootsKnown() const;
+  /// Whether a root moves against the fixed frame, as a mobile base does.
+  [[nodiscard]] bool rootsMove() const;
   [[nodiscard]] const CuboidMap* map() const { return map_.get(); }
   /// Messages dropped because they were stamped in the future.
   [[nodiscard]] std::size_t futureJoints() const { return future_joints_; }

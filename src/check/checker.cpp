@@ -28,6 +28,7 @@ Judges::Judges(const std::shared_ptr<const RobotModel>& model, const Checker::Co
       here(robot, config.evidence.slow_periods),
       ahead(here),
       asked(here),
+      area(robot),
       contacts(robot, config.way, config.braking),
       evidence(robot, config.evidence),
       governed_speed(model, config.governed_speed, evidence.shapes()),
@@ -139,6 +140,10 @@ void Checker::Parts::judge(Time now, const JointSnapshot& joints) {
   verdict.follows_trajectory = ways.follows_trajectory;
   judges.here.place(joints.positions, inputs.rootPoses());
   judges.ahead.place(ways.end, inputs.rootPoses());
+  if (const Cause outside = outsideArea(judges.here.posture()); outside.reason != Reason::kClear) {
+    findings.causes.push_back(outside);
+    verdict.known = findings.known = false;
+  }
   judges.here.findContacts(map, verdict.now);
   judges.ahead.findContacts(map, verdict.ahead);
   times.collision_us = stopwatch.lapMicroseconds();
@@ -167,6 +172,11 @@ void Checker::Parts::judge(Time now, const JointSnapshot& joints) {
   stopwatch.lapMicroseconds();
   verdict.clearances = judges.here.findClearances(map, config.clearance_radius_m);
   times.clearance_us = stopwatch.lapMicroseconds();
+}
+
+Cause Checker::Parts::outsideArea(const Posture& posture) const {
+  return judges.area.judge(inputs.map()->grid, posture, inputs.rootsMove(),
+                           config.inputs.fixed_frame);
 }
 
 void Checker::Parts::decide(Time now) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "check/area_check.h"
 #include "check/checker_config.h"
 #include "check/clock_steps.h"
 
@@ -14,6 +15,7 @@ namespace tccm {
 struct Judges {
   std::shared_ptr<CheckedRobot> robot;
   PoseCheck here, ahead, asked;
+  AreaCheck area;
   ContactJudge contacts;
   EvidenceCheck evidence;
   GovernedSpeed governed_speed;
@@ -34,6 +36,9 @@ struct Checker::Parts {
   const Verdict& check(Time now);
   /// What the robot does and meets, once it can be placed.
   void judge(Time now, const JointSnapshot& joints);
+  /// Whether the map says anything of where the robot would be. @pre there is a map
+  [[nodiscard]] Cause outsideArea(const Posture& posture) const;
+  void findOutside(const JointTrajectory& trajectory, TrajectoryAnswer& answer);
   void decide(Time now);
   void forgetFindings();
   void startAnew();

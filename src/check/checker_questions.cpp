@@ -35,6 +35,24 @@ std::optional<std::string> jointThatContradicts(const RobotModel& model,
 
 }  // namespace
 
+/// The first waypoint at which the robot has left the map's area; what comes before it goes first.
+void Checker::Parts::findOutside(const JointTrajectory& trajectory, TrajectoryAnswer& answer) {
+  const std::vector<std::size_t> variables = variablesOf(trajectory, model());
+  std::vector<double> positions = inputs.joints()->positions;
+  const std::size_t end = answer.index.value_or(trajectory.points.size());
+  for (std::size_t i = 0; i < end; ++i) {
+    const JointTrajectory::Point& point = trajectory.points[i];
+    for (std::size_t k = 0; k < variables.size(); ++k) positions[variables[k]] = point.positions[k];
+    const Cause outside = outsideArea(judges.asked.place(positions, inputs.rootPoses()));
+    if (outside.reason == Reason::kClear) continue;
+    answer.cause = outside;
+    answer.index = i;
+    answer.time_s = point.time_s;
+    answer.contact.reset();
+    return;
+  }
+}
+
 std::optional<Pose> Checker::linkPose(Time now, const std::string& link) {
   const std::vector<std::string>& links = model()->links();
   const auto found = std::find(links.begin(), links.end(), link);
@@ -83,7 +101,8 @@ StateAnswer Checker::checkState(Time now, const std::vector<std::string>& names,
   }
   if (parts_->exemptions.expire(now)) parts_->exempt();
   Judges& judges = parts_->judges;
-  judges.asked.place(asked, inputs.rootPoses());
+  answer.cause = parts_->outsideArea(judges.asked.place(asked, inputs.rootPoses()));
+  if (answer.cause.reason != Reason::kClear) return answer;
   judges.asked.check(*inputs.map(), answer.findings);
   if (answer.findings.collision) {
     const std::uint32_t shape = answer.findings.contacts.front().shape;
@@ -106,8 +125,10 @@ TrajectoryAnswer Checker::checkTrajectory(Time now, const JointTrajectory& traje
     return answer;
   }
   CheckInputs& inputs = parts_->inputs;
-  return parts_->judges.trajectory.check(*inputs.map(), trajectory, inputs.joints()->positions,
-                                         inputs.rootPoses());
+  answer = parts_->judges.trajectory.check(*inputs.map(), trajectory, inputs.joints()->positions,
+                                           inputs.rootPoses());
+  if (answer.cause.reason != Reason::kBadQuestion) parts_->findOutside(trajectory, answer);
+  return answer;
 }
 
 }  // namespace tccm

@@ -86,9 +86,15 @@ void EvidenceCheck::judge(const Situation& situation, Causes& causes) {
     const std::string link = nameOf(most(findings_.links, [](const LinkEvidence& evidence) {
       return evidence.unseen_fraction * evidence.new_volume_m3;
     }));
-    char text[200];
-    std::snprintf(text, sizeof text, "%.0f %% of the way ahead is unseen, most of %.100s's",
-                  100.0 * findings_.unseen_fraction, link.c_str());
+    char text[300];
+    const int length =
+        std::snprintf(text, sizeof text, "%.0f %% of the way ahead is unseen, most of %.100s's",
+                      100.0 * findings_.unseen_fraction, link.c_str());
+    if (findings_.outside_fraction > 0.0) {
+      std::snprintf(text + length, sizeof text - static_cast<std::size_t>(length),
+                    "; %.0f %% of it lies outside the map's area",
+                    100.0 * findings_.outside_fraction);
+    }
     causes.push_back(config_.unseen_stops
                          ? Cause::stopping(Reason::kUnseenAhead, text, link)
                          : Cause::slowing(Reason::kUnseenAhead, config_.slow_scale, text, link));
@@ -167,7 +173,8 @@ void EvidenceCheck::lookAt(const Question& question, const Vector3& p_fixed, dou
     tally.old += age > question.old ? 1.0 : 0.0;
     tally.lost += age > question.lost ? 1.0 : 0.0;
   }
-  const bool is_seen = sight.kind == Kind::kSeen;
+  const bool is_covered = question.map.grid.covers(p_fixed);
+  const bool is_seen = sight.kind == Kind::kSeen && is_covered;
   const bool is_known = is_seen && (question.now - sight.stamp <= question.old || !ages_matter);
   // Where the sensor used to look, what was seen goes on growing old when it is too old to count.
   if (is_known || (is_seen && looked)) {
@@ -177,11 +184,12 @@ void EvidenceCheck::lookAt(const Question& question, const Vector3& p_fixed, dou
   tally.new_volume += new_volume;
   if (is_known || new_volume <= 0.0) return;
   tally.unseen_volume += new_volume;
+  if (!is_covered) tally.outside_volume += new_volume;
   if (unseen_.size() < kUnseenShown) unseen_.push_back(p_fixed);
 }
 
 void EvidenceCheck::sumUp(const Question& question, const Body& end_body) {
-  double new_volume = 0.0, unseen_volume = 0.0;
+  double new_volume = 0.0, unseen_volume = 0.0, outside_volume = 0.0;
   const Duration late_max = fromSeconds(kLateShare * toSeconds(question.map.look_period));
   for (std::size_t slot = 0; slot < tallies_.size(); ++slot) {
     const Tally& tally = tallies_[slot];
@@ -199,9 +207,11 @@ void EvidenceCheck::sumUp(const Question& question, const Body& end_body) {
     if (next) link.next_look_s = std::max(0.0, toSeconds(*next - question.now));
     new_volume += tally.new_volume;
     unseen_volume += tally.unseen_volume;
+    outside_volume += tally.outside_volume;
   }
-  findings_.unseen_fraction =
-      new_volume >= config_.unseen_volume_min_m3 ? share(unseen_volume, new_volume) : 0.0;
+  const bool is_enough = new_volume >= config_.unseen_volume_min_m3;
+  findings_.unseen_fraction = is_enough ? share(unseen_volume, new_volume) : 0.0;
+  findings_.outside_fraction = is_enough ? share(outside_volume, new_volume) : 0.0;
 }
 
 }  // namespace tccm

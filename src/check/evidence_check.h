@@ -12,11 +12,12 @@ namespace tccm {
 
 /// What is known of the space that one link is in and goes through.
 struct LinkEvidence {
-  std::size_t link = 0;          ///< index into the model's links
-  double new_volume_m3 = 0.0;    ///< that it goes through and is not in now
-  double unseen_fraction = 0.0;  ///< of that: never seen, or hidden when it was looked at last
-  double old_fraction = 0.0;     ///< of its way, now included: not looked at for slow_periods
-  double lost_fraction = 0.0;    ///< the same for stop_periods
+  std::size_t link = 0;        ///< index into the model's links
+  double new_volume_m3 = 0.0;  ///< that it goes through and is not in now
+  /// Of that: never seen, hidden when it was looked at last, or outside the map's area.
+  double unseen_fraction = 0.0;
+  double old_fraction = 0.0;   ///< of its way, now included: not looked at for slow_periods
+  double lost_fraction = 0.0;  ///< the same for stop_periods
   /// Of the oldest evidence for what was seen of its way; nothing where nothing of it was.
   std::optional<double> age_s;
   /// Until its way's end is looked at next; nothing: none is due.
@@ -24,8 +25,9 @@ struct LinkEvidence {
 };
 
 /// What is known of the way ahead, by place: a scan may be fresh and say nothing of the space that
-/// a link is about to enter. Looked at are points in every primitive, at the present pose, at the
-/// way's end and halfway.
+/// a link is about to enter. Where the map does not reach, whatever stands there is in no map,
+/// however well the sensor sees it: that is unseen, too. Looked at are points in every primitive,
+/// at the present pose, at the way's end and halfway.
 class EvidenceCheck {
  public:
   struct Config {
@@ -45,6 +47,7 @@ class EvidenceCheck {
   struct Findings {
     std::vector<LinkEvidence> links;  ///< in the order of the links' first shapes
     double unseen_fraction = 0.0;     ///< of all that the links go through; 0 where that is little
+    double outside_fraction = 0.0;    ///< the part of it that the map does not reach
   };
 
   /// @throws ConfigError, also where a pattern matches no link.
@@ -67,7 +70,7 @@ class EvidenceCheck {
   /// What is summed up for a link: numbers of places, and volumes [m^3].
   struct Tally {
     double looked_at = 0.0, old = 0.0, lost = 0.0;
-    double new_volume = 0.0, unseen_volume = 0.0;
+    double new_volume = 0.0, unseen_volume = 0.0, outside_volume = 0.0;
     std::optional<Time> oldest;  ///< evidence
   };
   struct Question {

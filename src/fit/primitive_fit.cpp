@@ -33,7 +33,9 @@ using Points = std::vector<Vector3>;
 
 void requireSound(const Mesh& mesh, const std::string& owner) {
   constexpr double kFarthest = 1e3;  // [m]; beyond it is a slip of units
-  if (mesh.triangles.empty()) throw ConfigError(owner + ": the mesh is empty");
+  if (mesh.triangles.empty() && !mesh.vertices.empty()) {
+    throw ConfigError(owner + ": the mesh has vertices and no triangle");
+  }
   for (const Vector3& p : mesh.vertices) {
     if (!p.allFinite()) throw ConfigError(owner + ": the mesh has a vertex that is not finite");
     if (p.cwiseAbs().maxCoeff() > kFarthest) {
@@ -102,6 +104,12 @@ PrimitiveFit fitted(const std::vector<MeshPart>& parts, double margin_m) {
   return fit;
 }
 
+Vector3 extentsOf(const Mesh& mesh) {
+  UprightBox box;
+  for (const Vector3& p : mesh.vertices) box.extend(p);
+  return box.sizes();
+}
+
 double totalVolume(const PrimitiveFit& fit) {
   double sum = 0.0;
   for (const PlacedShape& primitive : fit.primitives) sum += volume(primitive.shape);
@@ -112,7 +120,7 @@ namespace fs = std::filesystem;
 
 /// Part of every fit's identity. To be raised whenever the fitting, the reading of meshes or the
 /// form of the cache's files changes.
-constexpr int kFitCacheVersion = 2;
+constexpr int kFitCacheVersion = 3;
 
 constexpr std::size_t kFileMax = 1U << 20U;  // bytes; a fit has some hundreds
 
@@ -140,12 +148,15 @@ Shape shapeOf(const std::string& name, const Vector3& sizes) {
   return Sphere{sizes[0]};
 }
 
-/// Volume and overhang, then a line a primitive: shape, sizes and the pose's matrix.
+/// Volume, overhang and extents, a line a primitive: shape, sizes and the pose's matrix; then a
+/// line a warning.
 std::string textOf(const PrimitiveFit& fit) {
   std::ostringstream text;
   text.imbue(std::locale::classic());
   text.precision(std::numeric_limits<double>::max_digits10);  // what is read is the same to the bit
-  text << fit.hull_volume_m3 << ' ' << fit.overhang_m << '\n';
+  const Vector3& extents = fit.mesh_extents_m;
+  text << fit.hull_volume_m3 << ' ' << fit.overhang_m << ' ' << extents.x() << ' ' << extents.y()
+       << ' ' << extents.z() << ' ' << fit.primitives.size() << '\n';
   for (const PlacedShape& placed : fit.primitives) {
     text << name(placed.shape);
     const Vector3 sizes = sizesOf(placed.shape);
@@ -153,6 +164,7 @@ std::string textOf(const PrimitiveFit& fit) {
     for (int i = 0; i < 16; ++i) text << ' ' << placed.pose.data()[i];
     text << '\n';
   }
+  for (const std::string& warning : fit.warnings) text << warning << '\n';
   return text.str();
 }
 
@@ -161,14 +173,21 @@ PrimitiveFit fitOf(const std::string& text) {
   std::istringstream words(text);
   words.imbue(std::locale::classic());
   PrimitiveFit fit;
+  std::size_t primitives = 0;
   words >> fit.hull_volume_m3 >> fit.overhang_m;
-  for (std::string name; words >> name;) {
+  for (int i = 0; i < 3; ++i) words >> fit.mesh_extents_m[i];
+  words >> primitives;
+  while (fit.primitives.size() < primitives) {
+    std::string name;
+    words >> name;
     Vector3 sizes;
     Pose pose;
     for (int i = 0; i < 3; ++i) words >> sizes[i];
     for (int i = 0; i < 16; ++i) words >> pose.data()[i];
     fit.primitives.push_back({shapeOf(name, sizes), pose});
   }
+  words.ignore(1);  // the end of the last primitive's line
+  for (std::string warning; std::getline(words, warning);) fit.warnings.push_back(warning);
   return fit;
 }
 
@@ -220,6 +239,10 @@ PrimitiveFit fitPrimitives(const Mesh& mesh, const PrimitiveFitConfig& config,
   static_cast<void>(validated(config));
   requireSound(mesh, owner);
   PrimitiveFit best;
+  if (mesh.triangles.empty()) {
+    best.warnings = mesh.warnings;
+    return best;
+  }
   double least = std::numeric_limits<double>::infinity();
   double extent = 0.0;
   for (const std::vector<MeshPart>& parts :
@@ -235,6 +258,8 @@ PrimitiveFit fitPrimitives(const Mesh& mesh, const PrimitiveFitConfig& config,
     least = score;
     best = fit;
   }
+  best.warnings = mesh.warnings;
+  best.mesh_extents_m = extentsOf(mesh);
   for (const PlacedShape& primitive : best.primitives) tccm::validate(primitive.shape, owner);
   best.hull_volume_m3 = convexHull(mesh.vertices).volume_m3;
   return best;

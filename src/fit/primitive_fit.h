@@ -19,12 +19,14 @@ struct PrimitiveFit {
   /// The furthest that a point of a primitive is from the convex hull of the part it covers, margin
   /// included.
   double overhang_m = 0.0;
+  Vector3 mesh_extents_m = Vector3::Zero();  ///< sides of the upright box around the mesh
+  std::vector<std::string> warnings = {};    ///< the mesh's
 };
 
-/// Covers the mesh with the box, cylinder, capsule or sphere of least volume, or with several where
-/// that leaves less air.
-/// The same mesh gives the same primitives; about 0.1 s for a mesh of 1000 triangles.
-/// @throws ConfigError naming owner where the mesh is empty, not finite, names a vertex that it has
+/// An empty mesh has no primitive. Covers any other with the box, cylinder, capsule or sphere of
+/// least volume, or with several where that leaves less air. The same mesh gives the same
+/// primitives; about 0.1 s for a mesh of 1000 triangles.
+/// @throws ConfigError naming owner where the mesh is not finite, names a vertex that it has
 /// not, or is larger than a primitive may be.
 [[nodiscard]] PrimitiveFit fitPrimitives(const Mesh& mesh, const PrimitiveFitConfig& config,
                                          const std::string& owner);

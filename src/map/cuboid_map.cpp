@@ -76,6 +76,13 @@ std::optional<CellIndex> Grid::cellOf(const Vector3& p_fixed) const {
   return static_cast<CellIndex>(y) * cells_x_ + static_cast<CellIndex>(x);
 }
 
+UprightBox Grid::area() const {
+  const double size = config_.cell_size_m;
+  const Vector3 origin(config_.origin_x_m, config_.origin_y_m, config_.height_min_m);
+  return {origin, Vector3(origin.x() + cells_x_ * size, origin.y() + cells_y_ * size,
+                          config_.height_max_m)};
+}
+
 std::optional<Grid::Place> Grid::placeRounded(const Vector3& p_fixed) const {
   const Vector3 rounded(toMicrometre(p_fixed.x()), toMicrometre(p_fixed.y()),
                         toMicrometre(p_fixed.z()));

@@ -136,6 +136,19 @@ Eigen::Matrix3d upright(const XMLElement& root) {
   return rotation;
 }
 
+/// The lists of a <mesh> that name a vertex; others have no face.
+std::vector<const XMLElement*> faceListsOf(const XMLElement& mesh) {
+  std::vector<const XMLElement*> lists;
+  for (const char* name :
+       {"triangles", "lines", "polylist", "polygons", "trifans", "tristrips", "linestrips"}) {
+    for (const XMLElement* list : childrenOf(mesh, name)) {
+      const bool is_named = list->FirstChildElement("p") || list->FirstChildElement("ph");
+      if (is_named || countIn(*list, "count", 0) > 0) lists.push_back(list);
+    }
+  }
+  return lists;
+}
+
 /// Adds the faces of one of a mesh's lists.
 class FaceReader {
  public:
@@ -240,6 +253,12 @@ class SceneReader {
     const XMLElement* instance = elementAt(root_, {"scene", "instance_visual_scene"});
     if (instance == nullptr) throw ConfigError("it has no <scene> with an <instance_visual_scene>");
     addNodes(named(*instance, "url", "visual_scene"), T, 0);
+    const auto bare = std::count_if(geometries_.begin(), geometries_.end(),
+                                    [](const auto& part) { return part.second.triangles.empty(); });
+    if (bare > 0) {
+      mesh_.warnings.push_back(std::to_string(bare) + " of its " +
+                               std::to_string(geometries_.size()) + " geometries hold no face");
+    }
     return std::move(mesh_);
   }
 
@@ -291,11 +310,11 @@ class SceneReader {
   [[nodiscard]] Mesh meshOf(const XMLElement& geometry) const {
     Mesh mesh;
     const XMLElement* element = geometry.FirstChildElement("mesh");
-    if (element == nullptr) return mesh;
+    if (element == nullptr || faceListsOf(*element).empty()) return mesh;
     const XMLElement* vertices = element->FirstChildElement("vertices");
     if (vertices == nullptr) throw ConfigError("a <mesh> has no <vertices>");
     mesh.vertices = positionsOf(named(inputOf(*vertices, "POSITION"), "source", "source"));
-    for (const XMLElement* child : childrenOf(*element)) FaceReader(*child, mesh).read();
+    for (const XMLElement* list : faceListsOf(*element)) FaceReader(*list, mesh).read();
     return mesh;
   }
 
@@ -363,9 +382,8 @@ Mesh readCollada(const std::string& content, bool apply_up_axis) {
   }
   tinyxml2::XMLDocument document;
   if (document.Parse(content.c_str(), content.size()) != tinyxml2::XML_SUCCESS) {
-    throw ConfigError("it is damaged or no COLLADA file: XML error " +
-                      std::string(document.ErrorName()) + " in line " +
-                      std::to_string(document.ErrorLineNum()));
+    throw ConfigError(std::string("it is damaged or no COLLADA file: XML error ") +
+                      document.ErrorName() + " in line " + std::to_string(document.ErrorLineNum()));
   }
   const XMLElement* root = document.RootElement();
   if (root == nullptr || std::string(root->Name()) != "COLLADA") {

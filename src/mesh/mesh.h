@@ -11,13 +11,14 @@
 
 namespace tccm {
 
-/// Triangles in one frame [m]. A line names one vertex twice, a lone point names it three times;
-/// every vertex belongs to a triangle.
+/// Triangles in one frame [m]. A line names one vertex twice, a lone point names it three times.
 struct Mesh {
   using Triangle = std::array<std::uint32_t, 3>;
 
   std::vector<Vector3> vertices;
   std::vector<Triangle> triangles;  ///< indices into vertices; their winding says nothing
+  /// What of a file was left out or passed over, one line each.
+  std::vector<std::string> warnings = {};
 
   /// Adds a fan of triangles for a polygon, else a line or a point.
   void addFace(const std::uint32_t* corners, std::size_t count);
@@ -60,17 +61,21 @@ constexpr std::size_t kMeshBytesMax = std::size_t{256} << 20U;
 constexpr std::size_t kMeshVerticesMax = 2'000'000;  ///< different ones
 
 /// The mesh that content, the bytes of an STL, COLLADA or OBJ file, describes: every instance of
-/// every geometry at its place, each vertex once, and those that no face uses as lone points.
-/// Nothing but content is read, whatever files it refers to.
+/// every geometry at its place, each vertex once. A body is what faces are made of: vertices that
+/// no face uses are left out, and told in the mesh's warnings. So are a file that is whole and
+/// holds nothing, which gives an empty mesh, and bytes behind an STL's last facet. Nothing but
+/// content is read, whatever files it refers to.
 /// @param uri tells the format by its extension (.stl, .dae or .obj in any case), and names the
 /// file in errors.
-/// @throws ConfigError "uri: why" where the file is damaged, cut off or empty, a coordinate is not
+/// @throws ConfigError "uri: why" where the file is damaged or cut off, a face's coordinate is not
 /// finite or beyond 1 km, or a factor of the scale is 0 or beyond 1000.
 [[nodiscard]] Mesh readMesh(const std::string& content, const std::string& uri,
                             const MeshScaling& scaling);
 
-/// The COLLADA reader behind it, for coordinates in metres that are not looked at yet.
-/// @throws ConfigError saying why, without the file's name.
+// The readers behind it, for coordinates as they stand in the file, in metres of a COLLADA file,
+// that are not looked at yet. They throw ConfigError saying why, without the file's name.
+
+[[nodiscard]] Mesh readStl(const std::string& content);
 [[nodiscard]] Mesh readCollada(const std::string& content, bool apply_up_axis);
 
 }  // namespace tccm

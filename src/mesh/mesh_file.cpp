@@ -1,10 +1,13 @@
+#include <algorithm>
 #include <array>
 #include <boost/algorithm/string/predicate.hpp>
 #include <boost/functional/hash.hpp>
 #include <cmath>
-#include <cstring>
+#include <cstdio>
 #include <locale>
+#include <set>
 #include <sstream>
+#include <string_view>
 #include <unordered_map>
 
 #include "mesh/mesh.h"
@@ -14,92 +17,7 @@
 namespace tccm {
 namespace {
 
-// STL, OBJ, and then what they share; none of the readers names the file in its errors.
-
-constexpr std::size_t kHeaderBytes = 80;
-constexpr std::size_t kFacetsBegin = kHeaderBytes + 4;
-constexpr std::size_t kNormalBytes = 12;
-constexpr std::size_t kFacetBytes = 50;
-
-/// Little-endian, as the format is and as every supported machine.
-template <typename Value>
-Value valueAt(const std::string& content, std::size_t position) {
-  Value value;
-  std::memcpy(&value, content.data() + position, sizeof(value));
-  return value;
-}
-
-/// The size that a binary file states of itself; 0 where it is too short to state any.
-std::size_t statedSize(const std::string& content) {
-  if (content.size() < kFacetsBegin) return 0;
-  return kFacetsBegin + kFacetBytes * valueAt<std::uint32_t>(content, kHeaderBytes);
-}
-
-Mesh readBinary(const std::string& content) {
-  const auto facets = valueAt<std::uint32_t>(content, kHeaderBytes);
-  Mesh mesh;
-  mesh.vertices.reserve(std::size_t{3} * facets);
-  mesh.triangles.reserve(facets);
-  for (std::uint32_t facet = 0; facet < facets; ++facet) {
-    const std::size_t corners = kFacetsBegin + kFacetBytes * facet + kNormalBytes;
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-      const auto p = valueAt<std::array<float, 3>>(content, corners + 12 * corner);
-      mesh.vertices.emplace_back(p[0], p[1], p[2]);
-    }
-    mesh.triangles.push_back({3 * facet, 3 * facet + 1, 3 * facet + 2});
-  }
-  return mesh;
-}
-
-bool isWord(std::string_view word, std::string_view keyword) {
-  return boost::algorithm::iequals(word, keyword, std::locale::classic());
-}
-
-void expect(TokenReader& words, std::string_view keyword) {
-  if (isWord(words.next(), keyword)) return;
-  throw ConfigError("it is cut off or damaged: '" + std::string(keyword) +
-                    "' is missing before byte " + std::to_string(words.position()));
-}
-
-void readFacet(TokenReader& words, Mesh& mesh) {
-  expect(words, "facet");
-  // "normal" and three numbers, which many programs leave out or wrong.
-  for (int word = 0; word < 4 && !isWord(words.peek(), "outer"); ++word) words.next();
-  expect(words, "outer");
-  expect(words, "loop");
-  std::vector<std::uint32_t> corners;
-  while (isWord(words.peek(), "vertex")) {
-    expect(words, "vertex");
-    corners.push_back(static_cast<std::uint32_t>(mesh.vertices.size()));
-    Vector3& p = mesh.vertices.emplace_back();
-    for (int i = 0; i < 3; ++i) p[i] = readNumber(words, "a vertex");
-  }
-  expect(words, "endloop");
-  expect(words, "endfacet");
-  mesh.addFace(corners.data(), corners.size());
-}
-
-/// One "solid name ... endsolid name" after another.
-Mesh readAscii(const std::string& content) {
-  Mesh mesh;
-  for (TokenReader words(content); !words.peek().empty(); words.skipLine()) {
-    expect(words, "solid");
-    words.skipLine();
-    while (isWord(words.peek(), "facet")) readFacet(words, mesh);
-    expect(words, "endsolid");
-  }
-  return mesh;
-}
-
-Mesh readStl(const std::string& content) {
-  // Many programs begin binary files with "solid" too: a size that fits tells them apart.
-  if (statedSize(content) == content.size()) return readBinary(content);
-  const bool is_text = content.find('\0') == std::string::npos;
-  if (is_text && isWord(TokenReader(content).peek(), "solid")) return readAscii(content);
-  throw ConfigError("it is no STL file, or cut off: it has " + std::to_string(content.size()) +
-                    " bytes where a binary one of its header would have " +
-                    std::to_string(statedSize(content)));
-}
+// OBJ, and then what the readers share.
 
 Vector3 vertexOf(TokenReader& words) {
   std::vector<double> numbers;
@@ -141,6 +59,22 @@ void readStatement(const std::string& line, Mesh& mesh) {
   for (std::size_t i = 1; i < corners.size(); ++i) mesh.addFace(&corners[i - 1], 2);
 }
 
+/// Whether it is an OBJ file that was written to the end, and of nothing: each of its lines is a
+/// comment or a statement of the format's. Other files are none, or cut off before their faces.
+bool isEmptyObj(const std::string& content) {
+  static const std::set<std::string_view> kKeywords{"o",      "g",      "s",  "vn", "vt",
+                                                    "usemtl", "mtllib", "mg", "lod"};
+  std::istringstream lines(content);
+  bool has_line = false;
+  for (std::string line; std::getline(lines, line);) {
+    const std::string_view keyword = TokenReader(line).peek();
+    if (keyword.empty()) continue;
+    if (keyword.front() != '#' && kKeywords.count(keyword) == 0) return false;
+    has_line = true;
+  }
+  return has_line;
+}
+
 Mesh readObj(const std::string& content) {
   if (content.find('\0') != std::string::npos) throw ConfigError("it is no OBJ file: it is binary");
   Mesh mesh;
@@ -156,7 +90,9 @@ Mesh readObj(const std::string& content) {
     readStatement(statement, mesh);
     statement.clear();
   }
-  return mesh;
+  if (!mesh.triangles.empty() || isEmptyObj(content)) return mesh;
+  throw ConfigError("it is no OBJ file, or cut off: it has " +
+                    std::to_string(mesh.vertices.size()) + " vertices and no face");
 }
 
 constexpr double kFurthest = 1e3;  // [m]; beyond it is a slip of units
@@ -171,6 +107,12 @@ void requireScale(const Vector3& scale) {
   }
 }
 
+std::string oneDecimal(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.1f", value);
+  return text;
+}
+
 Mesh readFile(const std::string& content, const std::string& uri, bool apply_up_axis) {
   if (content.empty()) throw ConfigError("the file is empty");
   if (content.size() > kMeshBytesMax) throw ConfigError("the file is larger than 256 MB");
@@ -183,36 +125,57 @@ Mesh readFile(const std::string& content, const std::string& uri, bool apply_up_
   throw ConfigError("meshes are read from .stl, .dae and .obj files only");
 }
 
+/// Which of a reader's vertices are a corner of a face.
+std::vector<bool> usedVertices(const Mesh& raw) {
+  std::vector<bool> used(raw.vertices.size(), false);
+  for (const Mesh::Triangle& t : raw.triangles) {
+    for (const std::uint32_t corner : t) used[corner] = true;
+  }
+  return used;
+}
+
+Vector3 scaled(const Vector3& p, const Vector3& scale) {
+  const Vector3 result = p.cwiseProduct(scale);
+  if (!result.allFinite()) throw ConfigError("a coordinate is not finite, or beyond 1000 m");
+  const double furthest = result.cwiseAbs().maxCoeff();
+  if (furthest <= kFurthest) return result;
+  throw ConfigError(oneDecimal(furthest) +
+                    " m is the furthest coordinate, beyond 1000 m (millimetres? scale 0.001 is "
+                    "missing)");
+}
+
 /// Of a reader's mesh, whose places may come many times and need not be finite, and whose vertices
 /// may be without a triangle: scaled, each vertex once, and every vertex in a triangle.
 Mesh finished(const Mesh& raw, const Vector3& scale) {
-  if (raw.vertices.empty()) throw ConfigError("it holds no geometry: there is no vertex in it");
+  Mesh mesh;
+  mesh.warnings = raw.warnings;
+  if (raw.triangles.empty()) {
+    mesh.warnings.emplace_back("it is empty: it has no face");
+    return mesh;
+  }
+  const std::vector<bool> used = usedVertices(raw);
   using Place = std::array<double, 3>;
   std::unordered_map<Place, std::uint32_t, boost::hash<Place>> numbers;
-  std::vector<std::uint32_t> merged;
-  merged.reserve(raw.vertices.size());
-  Mesh mesh;
-  for (const Vector3& unscaled : raw.vertices) {
-    const Vector3 p = unscaled.cwiseProduct(scale);
-    if (!(p.cwiseAbs().maxCoeff() <= kFurthest) || !p.allFinite()) {
-      throw ConfigError("a coordinate is not finite, or beyond 1000 m");
-    }
+  std::vector<std::uint32_t> merged(raw.vertices.size(), 0);
+  for (std::size_t i = 0; i < raw.vertices.size(); ++i) {
+    if (!used[i]) continue;
+    const Vector3 p = scaled(raw.vertices[i], scale);
     const auto next = static_cast<std::uint32_t>(mesh.vertices.size());
     // Adding 0 makes -0 and 0 one place.
     const auto [number, is_new] =
         numbers.emplace(Place{p.x() + 0.0, p.y() + 0.0, p.z() + 0.0}, next);
     if (is_new && next == kMeshVerticesMax) throw ConfigError("it has over 2 million vertices");
     if (is_new) mesh.vertices.push_back(p);
-    merged.push_back(number->second);
+    merged[i] = number->second;
   }
-  std::vector<bool> used(mesh.vertices.size(), false);
   mesh.triangles.reserve(raw.triangles.size());
   for (const Mesh::Triangle& t : raw.triangles) {
     mesh.triangles.push_back({merged[t[0]], merged[t[1]], merged[t[2]]});
-    for (const std::uint32_t corner : mesh.triangles.back()) used[corner] = true;
   }
-  for (std::uint32_t i = 0; i < used.size(); ++i) {
-    if (!used[i]) mesh.triangles.push_back({i, i, i});
+  const auto unused = std::count(used.begin(), used.end(), false);
+  if (unused > 0) {
+    mesh.warnings.push_back(std::to_string(unused) + " of its " + std::to_string(used.size()) +
+                            " vertices are left out: no face uses them");
   }
   return mesh;
 }

@@ -12,8 +12,15 @@
 namespace tccm {
 
 /// The URDF as urdfdom reads it, and certainly a tree: one root, from which every link is reached
-/// over one joint each. @throws ConfigError naming the element, in one line.
-[[nodiscard]] urdf::ModelInterfaceSharedPtr readUrdf(const std::string& text);
+/// over one joint each.
+struct ReadUrdf {
+  urdf::ModelInterfaceSharedPtr model;
+  /// By link why not all of its visual elements are in the model.
+  std::map<std::string, std::string> visual_defects;
+};
+
+/// @throws ConfigError naming the element, in one line.
+[[nodiscard]] ReadUrdf readUrdf(const std::string& text);
 
 /// From the root on, parents first, children by name. @param urdf from readUrdf().
 [[nodiscard]] std::vector<urdf::LinkConstSharedPtr> linksInOrder(const urdf::ModelInterface& urdf);

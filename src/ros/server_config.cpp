@@ -58,6 +58,9 @@ void tellDefects(const RobotModel& model) {
     ROS_INFO("%zu links have no collision element and are not watched: %s", without.size(),
              names.c_str());
   }
+  for (const std::string& warning : model.warnings()) {
+    ROS_WARN("robot_description: %s.", warning.c_str());
+  }
   if (!model.cacheDefect().empty()) {
     ROS_INFO("Fits are not kept for the next start: %s", model.cacheDefect().c_str());
   }

@@ -27,7 +27,8 @@ template <typename Config>
 
 /// The robot as all nodelets of this process see it: read once, from robot_description, searched
 /// upwards from the node's namespace, and from `monitored_robot` in it. Logs what of the robot is
-/// not watched, and fits that could not be kept. @throws ConfigError
+/// not watched, or taken otherwise than it stands, and fits that could not be kept. @throws
+/// ConfigError
 [[nodiscard]] std::shared_ptr<const RobotModel> sharedRobotModel(const ros::NodeHandle& node);
 
 }  // namespace tccm

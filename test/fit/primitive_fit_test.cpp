@@ -290,7 +290,7 @@ std::string refusal(const Mesh& mesh, const PrimitiveFitConfig& config = {}) {
 
 TEST(PrimitiveFitTest, WhatIsNoMeshIsRefusedInOneLineThatNamesTheOwner) {
   const Mesh good = boxMesh({0, 0, 0}, {1, 1, 1});
-  std::vector<Mesh> refused = {{}, {good.vertices, {}}, {{}, good.triangles}};
+  std::vector<Mesh> refused = {{good.vertices, {}}, {{}, good.triangles}};
   for (const double bad : {kNaN, kInfinity, -kInfinity, 1e30}) {
     refused.push_back(good);
     refused.back().vertices[3].y() = bad;
@@ -303,6 +303,7 @@ TEST(PrimitiveFitTest, WhatIsNoMeshIsRefusedInOneLineThatNamesTheOwner) {
     EXPECT_EQ(said.find('\n'), std::string::npos);
   }
   EXPECT_EQ(refusal(good), "");
+  EXPECT_TRUE(fitPrimitives({}, {}, "left_wrist").primitives.empty());
 }
 
 TEST(PrimitiveFitTest, ConfigurationsOutsideTheirRangeAreRefused) {

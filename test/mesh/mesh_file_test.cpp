@@ -227,13 +227,12 @@ TEST(MeshFileTest, EveryKindOfColladaFaceListIsRead) {
   }
 }
 
-TEST(MeshFileTest, VerticesThatNoFaceUsesAreKeptAsLonePoints) {
+TEST(MeshFileTest, VerticesThatNoFaceUsesAreLeftOut) {
   ColladaText text;
   text.faces = "<triangles count=\"1\">" + kInput + "<p>0 1 2</p></triangles>";
   const Mesh mesh = readWhole(collada(text), "a.dae");
-  ASSERT_EQ(mesh.triangles.size(), 2U);
-  EXPECT_EQ(mesh.triangles[1], (Mesh::Triangle{3, 3, 3}));
-  EXPECT_EQ(readWhole("v 1 2 3\nv 4 5 6\n", "cloud.obj").triangles.size(), 2U);
+  EXPECT_EQ(places(mesh), places({{0, 0, 0}, {1, 0, 0}, {0, 2, 0}}));
+  EXPECT_EQ(mesh.warnings.size(), 1U);
 }
 
 TEST(MeshFileTest, VerticesAtOnePlaceAreMerged) {

@@ -110,11 +110,12 @@ TEST(RobotModelTest, MimicsInACircleAreRefusedNamingOneOfThem) {
 }
 
 TEST(RobotModelTest, AnAxisWithoutDirectionIsRefusedNamingTheJoint) {
-  EXPECT_TRUE(refusedNaming("'wrist'", twoLinks("continuous", axisOf("0 0 0"))));
+  EXPECT_TRUE(refusedNaming("'wrist'", twoLinks("continuous", axisOf("0 0 1e-9"))));
+  EXPECT_TRUE(refusedNaming("'wrist'", twoLinks("prismatic", axisOf("0 0 0") + limitOf("0", "1"))));
 }
 
 TEST(RobotModelTest, SizesThatAreNoSizesAreRefused) {
-  for (const std::string size : {"nan", "inf", "0", "-0.1", "1e9"}) {
+  for (const std::string size : {"nan", "inf", "-0.1", "1e9"}) {
     EXPECT_NE(refusalOf(oneLink(sphereOf(size))), "") << size;
     EXPECT_NE(refusalOf(oneLink("<box size=\"0.1 0.1 " + size + "\"/>")), "") << size;
     EXPECT_NE(refusalOf(oneLink("<cylinder radius=\"0.1\" length=\"" + size + "\"/>")), "") << size;

@@ -42,7 +42,8 @@ class EvaluateTest(unittest.TestCase):
             arguments += [f"--dump-{dump}", os.path.join(out, dump + ".csv")]
         done = self.call(*arguments)
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertEqual(done.stderr, "")
+        for line in done.stderr.splitlines():  # what of a robot is taken otherwise than it stands
+            self.assertTrue(line.startswith("evaluate: warning: link '"), line)
         with open(os.path.join(out, "summary.json")) as f:
             summary = json.load(f)
         self.assertAddsUp(summary)
