@@ -9,6 +9,7 @@ namespace {
 /// In the unit of CollisionCheck::work(): some 0.3 s. A trajectory of 100 points takes a
 /// thousandth.
 constexpr std::size_t kWorkMax = 60'000'000;
+constexpr double kTravelMax = 1e4;         // [rad or m] of one joint; there is no need to begin
 constexpr std::size_t kWorkOfPose = 30;    // for each joint and shape
 constexpr double kSplineTolerance = 5e-4;  // [rad or m]
 
@@ -48,6 +49,8 @@ TrajectoryAnswer TrajectoryCheck::check(const CuboidMap& map, const JointTraject
     return answer;
   }
   if (!makePath(trajectory, *robot_->model, from, kSplineTolerance, path_)) return tooLong();
+  path_.travelUntil(path_.end(), positions_);
+  if (*std::max_element(positions_.begin(), positions_.end()) > kTravelMax) return tooLong();
   const Way way{map, path_, T_fixed_roots};
   if (!findClearances(way, trajectory, answer)) return tooLong();
   findCollision(way, trajectory, answer);

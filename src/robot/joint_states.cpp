@@ -17,7 +17,9 @@ constexpr double kSameMimic_rad = 0.05;
 constexpr double kRounding = 1e-3;       // [rad, m] beyond a limit that drivers round to
 constexpr double kCoarseStamp = 0.02;    // [s] that stamps may be rounded by
 constexpr double kRelayLag = 0.2;        // [s] by which who relays joint states may be late
+constexpr int kStepsToAndFro = 3;        // in turn; a jump that is taken back is none yet
 constexpr double kStepBack = 1.0;        // [s] within which two histories are stepped between
+constexpr double kJumpLasts = 0.05;      // [s] beyond the baseline that one jump looks like a speed
 constexpr std::size_t kHistory = 6;      // samples without which there is no history
 constexpr std::size_t kPublishers = 32;  // told apart
 constexpr Duration kDoubt = std::chrono::seconds(2);  // that it lasts
@@ -141,18 +143,22 @@ void JointStates::noteLimits(std::size_t joint, double position) {
       is_below ? *variable.lower : *variable.upper);
 }
 
+/// One jump of its position is no speed: encoders are set anew, simulations begin anew.
 void JointStates::lookForSpeed(std::size_t joint) {
-  const JointTrack& track = tracks_[joint];
+  JointTrack& track = tracks_[joint];
   const JointRule& rule = rules_[joint];
-  const Time stamp = track.newest(0).stamp;
-  const double reported = track.newest(0).velocity;
-  if (std::abs(reported) > rule.speed_believed) {
-    out_of_range_ = {rule.textOfSpeed("is said to move at", reported), stamp};
+  const JointSample& newest = track.newest(0);
+  if (std::abs(newest.velocity) > rule.speed_believed) {
+    out_of_range_ = {rule.textOfSpeed("is said to move at", newest.velocity), newest.stamp};
   }
   const auto slope = track.differentiate(config_.velocity_baseline_s, config_.gap_max_s);
-  if (slope.over_s >= config_.velocity_baseline_s && std::abs(slope.speed) > rule.speed_believed) {
-    out_of_range_ = {rule.textOfSpeed("changed its position by", slope.speed), stamp};
-  }
+  const bool is_fast =
+      slope.over_s >= config_.velocity_baseline_s && std::abs(slope.speed) > rule.speed_believed;
+  if (!is_fast) return track.fast_since.reset();
+  if (!track.fast_since) track.fast_since = newest.stamp;
+  if (toSeconds(newest.stamp - *track.fast_since) < kJumpLasts + config_.velocity_baseline_s)
+    return;
+  out_of_range_ = {rule.textOfSpeed("changes its position by", slope.speed), newest.stamp};
 }
 
 std::string JointStates::placeText(std::size_t joint, const JointSample& sample) const {
@@ -201,13 +207,15 @@ void JointStates::lookForTwoHistories(std::size_t joint) {
   if (std::abs(step) <= kSame + permitted * (dt + kCoarseStamp)) return;
   if (std::abs(step) <= kSame + permitted * dt + kRelayLag * track.usualSpeed()) return;
   const auto last = track.jump;
-  track.jump = JointTrack::Jump{from, to};
+  track.jump = JointTrack::Jump{from, to, 1};
   if (!last || toSeconds(to.stamp - last->to.stamp) > kStepBack) return;
   const double step_before = track.moved(last->from.position, last->to.position);
   const bool is_back =
       step * step_before < 0.0 && std::abs(track.moved(last->from.position, to.position)) <
                                       0.5 * std::min(std::abs(step), std::abs(step_before));
-  if (is_back) contradict(joint, from, to, to.stamp);
+  if (!is_back) return;
+  track.jump->in_turn = last->in_turn + 1;
+  if (track.jump->in_turn >= kStepsToAndFro) contradict(joint, from, to, to.stamp);
 }
 
 void JointStates::lookForBrokenMimics(const Message& message) {
@@ -272,15 +280,16 @@ void JointStates::findVelocity(std::size_t joint) {
   const JointTrack& track = tracks_[joint];
   // A wilder one is a fault, and would make a way ahead too long to be judged in time.
   const double most = rules_[joint].speed_believed;
-  const double differentiated = std::clamp(
-      track.differentiate(config_.velocity_baseline_s, config_.gap_max_s).speed, -most, most);
+  const auto slope = track.differentiate(config_.velocity_baseline_s, config_.gap_max_s);
+  const double differentiated = std::clamp(slope.speed, -most, most);
   const bool is_reported = std::abs(track.newest(0).velocity) <= kJointLargest;
   const double reported = is_reported ? std::clamp(track.newest(0).velocity, -most, most) : 0.0;
   if (velocity_defect_.empty()) lookForVelocityDefect(joint);
   const bool more_reported = std::abs(reported) >= std::abs(differentiated);
   snapshot_.velocities[joint] = more_reported ? reported : differentiated;
   const double lesser = more_reported ? differentiated : reported;
-  const bool is_contrary = reported * differentiated < 0.0 && std::abs(lesser) > kMoving;
+  const bool is_contrary = reported * differentiated < 0.0 && std::abs(lesser) > kMoving &&
+                           slope.over_s >= config_.velocity_baseline_s;
   contrary_[joint] = is_contrary ? lesser : snapshot_.velocities[joint];
   if (is_contrary) snapshot_.contrary_velocities.resize(rules_.size());
 }

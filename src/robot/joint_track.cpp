@@ -15,6 +15,7 @@ constexpr std::size_t kSpeeds = 16;  // looked at for the usual speed
 void JointTrack::clear() {
   count_ = next_ = 0;
   jump.reset();
+  fast_since.reset();
 }
 
 void JointTrack::add(const JointSample& sample) {

@@ -27,9 +27,12 @@ class JointTrack {
   struct Jump {
     JointSample from;
     JointSample to;
+    int in_turn = 1;  ///< which one of those to and fro
   };
   /// The last such step, for whoever looks for the step back.
   std::optional<Jump> jump = {};
+  /// Since when its positions change faster than is believed.
+  std::optional<Time> fast_since = {};
 
   void clear();
   /// @pre its stamp is later than that of the newest
