@@ -155,7 +155,9 @@ void JointStates::lookForSpeed(std::size_t joint) {
   const bool is_fast =
       slope.over_s >= config_.velocity_baseline_s && std::abs(slope.speed) > rule.speed_believed;
   if (!is_fast) return track.fast_since.reset();
-  if (!track.fast_since) track.fast_since = newest.stamp;
+  const bool goes_on = track.fast_since && track.fast_upwards == (slope.speed > 0.0);
+  if (!goes_on) track.fast_since = newest.stamp;
+  track.fast_upwards = slope.speed > 0.0;
   if (toSeconds(newest.stamp - *track.fast_since) < kJumpLasts + config_.velocity_baseline_s)
     return;
   out_of_range_ = {rule.textOfSpeed("changes its position by", slope.speed), newest.stamp};

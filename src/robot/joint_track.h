@@ -33,6 +33,7 @@ class JointTrack {
   std::optional<Jump> jump = {};
   /// Since when its positions change faster than is believed.
   std::optional<Time> fast_since = {};
+  bool fast_upwards = false;
 
   void clear();
   /// @pre its stamp is later than that of the newest
