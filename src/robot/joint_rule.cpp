@@ -14,6 +14,8 @@ constexpr double kRangeShare = 0.1;       // of a joint's range that it may lie 
 constexpr double kSpeedFactor = 5.0;      // above a limit that is believed
 constexpr double kTurningMax = 100.0;     // [rad/s] believed of a joint without a limit
 constexpr double kSlidingMax = 10.0;      // [m/s]
+constexpr double kTurningSlow = 0.5;      // [rad/s] always believed: some URDFs' limits are tiny
+constexpr double kSlidingSlow = 0.1;      // [m/s]
 constexpr double kUsualShare = 0.1;       // of these that joins two positions
 
 double distanceBeyond(const JointVariable& variable, double position) {
@@ -71,7 +73,10 @@ std::vector<JointRule> rulesOf(const RobotModel& model, double limit_tolerance) 
     }
     const double most = rule.slides ? kSlidingMax : kTurningMax;
     const auto& limit = rule.variable.speed_max;
-    rule.speed_believed = limit ? std::min(kSpeedFactor * *limit, kJointLargest) : most;
+    rule.speed_believed = limit
+                              ? std::clamp(kSpeedFactor * *limit,
+                                           rule.slides ? kSlidingSlow : kTurningSlow, kJointLargest)
+                              : most;
     rule.speed_permitted = limit.value_or(kUsualShare * most);
     rules.push_back(rule);
   }

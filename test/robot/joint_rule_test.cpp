@@ -39,6 +39,14 @@ TEST(JointRuleTest, FiveTimesTheLimitIsBelievedOfASpeedOrAHundredRadiansOrTenMet
             10.0);
 }
 
+TEST(JointRuleTest, ASpeedThatIsSlowIsBelievedWhateverTheLimit) {
+  const auto limited = [](const std::string& type) {
+    return turning(type, "<limit lower=\"0\" upper=\"0.33\" effort=\"1\" velocity=\"0.013\"/>");
+  };
+  EXPECT_EQ(limited("prismatic").speed_believed, 0.1) << "a torso that goes at 75 mm/s";
+  EXPECT_EQ(limited("revolute").speed_believed, 0.5);
+}
+
 TEST(JointRuleTest, ADriverThatPublishesWithinHalfATurnMayBeAWholeTurnOff) {
   const JointRule rule = turning("revolute", limitOf("0", "4.5"));
   EXPECT_EQ(rule.beyond(-1.9), 0.0) << "4.38";
