@@ -4,9 +4,12 @@
 
 #include <benchmark/benchmark.h>
 
-#include "check/pose_check.h"
+#include <cmath>
+
+#include "check/checker_config.h"
 #include "latencies.h"
 #include "support/table_scene.h"
+#include "support/tiny_robot.h"
 
 namespace tccm {
 namespace {
@@ -40,6 +43,32 @@ void checkTwoPoses(benchmark::State& state, bool occlusion, double shoulder) {
   state.counters["hiding"] = static_cast<double>(findings.occluding_cuboids.size() +
                                                  findings_ahead.occluding_cuboids.size());
 }
+
+/// The longest check there is: a joint that turns without limits, just below the speed that is
+/// believed, its link beside the table.
+void checkAFastJoint(benchmark::State& state) {
+  const std::string arm = test::collisionOf("<box size=\"0.5 0.05 0.05\"/>", "0.25 0 0");
+  Checker checker(test::modelOf(test::robotOf(
+                      test::linkOf("base") + test::linkOf("arm", arm) +
+                      test::jointOf("roll", "continuous", "base", "arm",
+                                    "<origin xyz=\"0.2 0 0.9\"/>" + test::axisOf("0 0 1")))),
+                  Checker::Config());
+  auto map = std::make_shared<CuboidMap>(test::tableMap());
+  checker.setRootPose(0, Time(), Pose::Identity(), true);
+  Latencies latencies;
+  double time_s = 1.0;
+  for (auto _ : state) {
+    time_s += 0.01;
+    const Time now(fromSeconds(time_s));
+    map->stamp = now;
+    ++map->serial;
+    checker.setMap(now, map);
+    checker.addJoints(now, now, {"roll"}, {std::remainder(99.0 * time_s, 2.0 * M_PI)}, {99.0});
+    latencies.time([&] { checker.check(now); });
+  }
+  latencies.report(state);
+}
+BENCHMARK(checkAFastJoint);
 
 constexpr double kOverTheTable = -0.75;
 constexpr double kInTheTable = -0.55;

@@ -50,10 +50,10 @@ const AssembledScan& Monitor::assembled() const { return parts_->scan.scan(); }
 const ScanReturns& Monitor::returns() const { return parts_->returns; }
 
 void Monitor::addJoints(Time now, Time stamp, const std::vector<std::string>& names,
-                        const std::vector<double>& positions,
-                        const std::vector<double>& velocities) {
+                        const std::vector<double>& positions, const std::vector<double>& velocities,
+                        const std::string& publisher) {
   parts_->scan.addJoints(now, stamp, names, positions, velocities);
-  if (hasRobot()) checker().addJoints(now, stamp, names, positions, velocities);
+  if (hasRobot()) checker().addJoints(now, stamp, names, positions, velocities, publisher);
 }
 
 void Monitor::scanArrived(Time now, Time stamp) {

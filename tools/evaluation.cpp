@@ -40,7 +40,7 @@ void Evaluation::add(const sensor_msgs::LaserScan& message, const std::string& p
 void Evaluation::add(const sensor_msgs::JointState& message, const std::string& publisher) {
   const Time stamp = toTime(message.header.stamp);
   moveClock(stamp, publisher);
-  monitor_.addJoints(*now_, stamp, message.name, message.position, message.velocity);
+  monitor_.addJoints(*now_, stamp, message.name, message.position, message.velocity, publisher);
   mapReady();
   if (monitor_.hasRobot()) check();
 }

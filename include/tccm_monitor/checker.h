@@ -43,10 +43,10 @@ class Checker {
   [[nodiscard]] const Config& config() const;
 
   /// A message that is stamped in the future is dropped.
-  /// @return what was taken of it.
+  /// @param publisher for what is told to people; may be empty. @return what was taken of it.
   AddedJoints addJoints(Time now, Time stamp, const std::vector<std::string>& names,
-                        const std::vector<double>& positions,
-                        const std::vector<double>& velocities);
+                        const std::vector<double>& positions, const std::vector<double>& velocities,
+                        const std::string& publisher = {});
   /// One of the model's roots in the fixed frame. One that does not move (the same frame, or
   /// static transforms alone) never grows old.
   void setRootPose(std::size_t root, Time stamp, const Pose& T_fixed_root, bool is_static);

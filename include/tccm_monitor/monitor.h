@@ -42,9 +42,11 @@ class Monitor {
   [[nodiscard]] Checker& checker();
   [[nodiscard]] const Checker& checker() const;
 
-  /// To the self filter and to the checker.
+  /// To the self filter and to the checker. @param publisher for what is told to people; may be
+  /// empty.
   void addJoints(Time now, Time stamp, const std::vector<std::string>& names,
-                 const std::vector<double>& positions, const std::vector<double>& velocities);
+                 const std::vector<double>& positions, const std::vector<double>& velocities,
+                 const std::string& publisher = {});
   /// A scan came in, and waits for transforms.
   void scanArrived(Time now, Time stamp);
   /// A scan that came in will not be handed over. @param reason why.

@@ -33,7 +33,7 @@ class Interpolation {
 /// to another, on the shortest way [m].
 [[nodiscard]] double displacement(const Pose& from, const Pose& to, double radius_m);
 
-/// False where a number is NaN or infinite, or the rotation is none.
+/// False where a number is NaN or infinite, the rotation is none, or it lies beyond 1000 km.
 [[nodiscard]] bool isRigid(const Pose& pose);
 
 /// The poses of one moving frame at rising instants, interpolated in between, never beyond.

@@ -64,6 +64,7 @@ struct JointVariable {
   std::string name;
   std::optional<double> lower;  ///< nothing for continuous joints
   std::optional<double> upper;
+  std::optional<double> speed_max;  ///< [rad/s or m/s]; nothing where the URDF states none above 0
 };
 
 /// The links that are monitored, and those on the way to them from the next link that transforms
@@ -153,8 +154,11 @@ class RobotModel {
   [[nodiscard]] std::vector<std::string> rootLinks() const;
   [[nodiscard]] const std::vector<RobotJoint>& joints() const { return tree_.joints; }
   [[nodiscard]] const std::vector<JointVariable>& variables() const { return tree_.variables; }
-  /// Whether a variable is the same after a whole turn: a rotation without limits.
+  /// Whether a variable is the same after a whole turn: a rotation without limits, and no mimic of
+  /// it turns by a part of a turn meanwhile.
   [[nodiscard]] bool turnsFreely(std::size_t variable) const;
+  /// Whether a variable is in metres: its own joint slides, or the first that mimics it.
+  [[nodiscard]] bool slides(std::size_t variable) const;
   /// Whether the URDF has a joint of that name, also where it moves no monitored link.
   [[nodiscard]] bool hasJoint(const std::string& joint) const {
     return all_joints_.count(joint) > 0;

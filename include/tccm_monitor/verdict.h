@@ -29,20 +29,22 @@ enum class Reason : std::uint8_t {
   kOcclusion,
   kCollisionAhead,  ///< on the way ahead
   kCollision,
-  kBadTrajectory,    ///< what was commanded cannot be understood
-  kMapOverflow,      ///< points were left out of the map
-  kOutsideArea,      ///< nothing of the robot that moves is inside the map's area
-  kNoMap,            ///< no scan for too long
-  kMapLate,          ///< scans come, but what is in the map is too old
-  kSweepIncomplete,  ///< the tilt stands still, or turns too late or too early
-  kBlind,            ///< scans come, but hardly a beam measures anything
-  kNoJoints,         ///< a joint was never heard of, or not for too long
-  kNoTransform,      ///< the pose of the robot's root or of the sensor is unknown or too old
-  kFuture,           ///< a scan, map or joint state is stamped in the future
-  kCheckLate,        ///< checks take too long
-  kNoClock,          ///< time stands still, or goes to and fro, so that nothing can grow old by it
-  kInternal,         ///< the check itself failed
-  kBadQuestion,      ///< a state or trajectory to be checked cannot be understood
+  kBadTrajectory,      ///< what was commanded cannot be understood
+  kMapOverflow,        ///< points were left out of the map
+  kOutsideArea,        ///< nothing of the robot that moves is inside the map's area
+  kNoMap,              ///< no scan for too long
+  kMapLate,            ///< scans come, but what is in the map is too old
+  kSweepIncomplete,    ///< the tilt stands still, or turns too late or too early
+  kBlind,              ///< scans come, but hardly a beam measures anything
+  kNoJoints,           ///< a joint was never heard of, or not for too long
+  kNoTransform,        ///< the pose of the robot's root or of the sensor is unknown or too old
+  kJointOutOfRange,    ///< a joint is said to be where, or as fast as, no such joint is
+  kJointContradicted,  ///< a joint is said to be at two places at one time
+  kFuture,             ///< a scan, map or joint state is stamped in the future
+  kCheckLate,          ///< checks take too long
+  kNoClock,      ///< time stands still, or goes to and fro, so that nothing can grow old by it
+  kInternal,     ///< the check itself failed
+  kBadQuestion,  ///< a state or trajectory to be checked cannot be understood
 };
 
 /// As published, e.g. "COLLISION_AHEAD".

@@ -66,14 +66,15 @@ void CheckInputs::reconfigure(const Config& config) { config_ = validated(config
 JointStates::Added CheckInputs::addJoints(Time now, Time stamp,
                                           const std::vector<std::string>& names,
                                           const std::vector<double>& positions,
-                                          const std::vector<double>& velocities) {
+                                          const std::vector<double>& velocities,
+                                          const std::string& publisher) {
   if (stamp - now > fromSeconds(config_.future_max_s)) {
     ++future_joints_;
     future_joint_ = now;
     future_lead_ = stamp - now;
     return {0, names.size()};
   }
-  return joints_.add(stamp, names, positions, velocities);
+  return joints_.add(stamp, names, positions, velocities, publisher);
 }
 
 void CheckInputs::setRootPose(std::size_t root, Time stamp, const Pose& T_fixed_root,
@@ -224,6 +225,12 @@ Cause CheckInputs::mapCause(Time now) {
 void CheckInputs::appendRobotCauses(Time now, std::vector<Cause>& causes) {
   if (!started_) started_ = now;
   if (clock_stalls_) causes.emplace_back(Reason::kNoClock, "simulated time stands still");
+  if (!joints_.outOfRange().empty()) {
+    causes.emplace_back(Reason::kJointOutOfRange, joints_.outOfRange());
+  }
+  if (!joints_.twoPositions().empty()) {
+    causes.emplace_back(Reason::kJointContradicted, joints_.twoPositions());
+  }
   append(jointsCause(now), causes);
   for (std::size_t root = 0; root < roots_.size(); ++root) append(rootCause(now, root), causes);
 }

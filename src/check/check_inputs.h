@@ -38,7 +38,8 @@ class CheckInputs {
 
   JointStates::Added addJoints(Time now, Time stamp, const std::vector<std::string>& names,
                                const std::vector<double>& positions,
-                               const std::vector<double>& velocities);
+                               const std::vector<double>& velocities,
+                               const std::string& publisher = {});
   void setRootPose(std::size_t root, Time stamp, const Pose& T_fixed_root, bool is_static);
   void addScanReport(Time now, const ScanReport& report);
   void setMap(Time now, std::shared_ptr<const CuboidMap> map);

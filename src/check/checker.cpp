@@ -201,8 +201,9 @@ const Checker::Config& Checker::config() const { return parts_->config; }
 
 JointStates::Added Checker::addJoints(Time now, Time stamp, const std::vector<std::string>& names,
                                       const std::vector<double>& positions,
-                                      const std::vector<double>& velocities) {
-  return parts_->inputs.addJoints(now, stamp, names, positions, velocities);
+                                      const std::vector<double>& velocities,
+                                      const std::string& publisher) {
+  return parts_->inputs.addJoints(now, stamp, names, positions, velocities, publisher);
 }
 
 void Checker::setRootPose(std::size_t root, Time stamp, const Pose& T_fixed_root, bool is_static) {

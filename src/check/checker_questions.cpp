@@ -88,12 +88,17 @@ StateAnswer Checker::checkState(Time now, const std::vector<std::string>& names,
   CheckInputs& inputs = parts_->inputs;
   std::vector<double> asked = inputs.joints()->positions;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    if (!model()->hasJoint(names[i]) || !std::isfinite(positions[i])) {
-      return refuse("joint '" + names[i] + "' is unknown, or its position is not finite");
+    if (!model()->hasJoint(names[i])) {
+      return refuse("joint '" + names[i] + "' is not one of the robot's");
     }
+    std::optional<double> measured;
     for (std::size_t v = 0; v < asked.size(); ++v) {
-      if (model()->variables()[v].name == names[i]) asked[v] = positions[i];
+      if (model()->variables()[v].name != names[i]) continue;
+      measured = inputs.joints()->positions[v];
+      asked[v] = positions[i];
     }
+    const std::string defect = defectOfPosition(*model(), names[i], positions[i], measured);
+    if (!defect.empty()) return refuse("it has " + defect);
   }
   if (const auto contradiction = jointThatContradicts(*model(), asked, names, positions)) {
     return refuse("joint '" + *contradiction +

@@ -10,6 +10,10 @@
 namespace tccm {
 namespace {
 
+constexpr std::size_t kTest = 50;  // cuboids passed by in the time of an exact test
+
+}  // namespace
+
 /// Looks for the cuboid nearest to a placed shape, from the rows of cells in its middle outwards,
 /// and ever less far as nearer ones are found.
 class NearestCuboidSearch {
@@ -62,6 +66,7 @@ class NearestCuboidSearch {
     if (gap_y >= reach_m_) return false;
     const CellIndex row_begin = static_cast<CellIndex>(row) * map_.grid.cellsX();
     const std::uint32_t* cell_begin = &map_.cell_begin[row_begin];
+    check_.work_ += 1 + cell_begin[x_end_] - cell_begin[x_begin_];
     for (std::uint32_t k = cell_begin[x_begin_]; k < cell_begin[x_end_]; ++k) {
       const Cuboid& cuboid = map_.cuboids[k];
       if (cuboid.top < low_ || cuboid.bottom > high_) continue;
@@ -71,6 +76,7 @@ class NearestCuboidSearch {
       const double gap_x = gap(x, x + grid.cell_size_m, 0), gap_z = gap(bottom, top, 2);
       if (gap_x * gap_x + gap_y * gap_y + gap_z * gap_z >= reach_m_ * reach_m_) continue;
       if (isBeyondAnyPlane(x, y, bottom, top)) continue;
+      check_.work_ += kTest;
       const Separation apart = separation(shape_, T_fixed_shape_, map_.box(cuboid), reach_m_);
       addPlane(apart.direction);
       if (apart.distance_m >= reach_m_ || !check_.hasSupport(map_, cuboid)) continue;
@@ -138,8 +144,6 @@ class NearestCuboidSearch {
   std::size_t next_plane_ = 0;
 };
 
-}  // namespace
-
 void CollisionCheck::Config::describe(ParameterTable& table) {
   table.add("support_points", &support_points, "points", {1, 20},
             "a contact counts where so many returns lie near it; 1: always", Tunable::kYes);
@@ -173,10 +177,12 @@ void CollisionCheck::visitContacts(const CuboidMap& map, const Shape& shape,
   for (CellIndex y = footprint.y_begin; y < footprint.y_end; ++y) {
     const std::uint32_t* cell_begin = &map.cell_begin[y * map.grid.cellsX()];
     const std::uint32_t end = cell_begin[footprint.x_end];
+    work_ += 1 + end - cell_begin[footprint.x_begin];
     for (std::uint32_t k = cell_begin[footprint.x_begin]; k < end; ++k) {
       const Cuboid& cuboid = map.cuboids[k];
       if (cuboid.top < low || cuboid.bottom > high) continue;
       const UprightBox box = map.box(cuboid);
+      work_ += kTest;
       if (!overlaps(shape, T_fixed_shape, box)) continue;
       if (!hasSupport(map, cuboid) || isExempt(index, box)) continue;
       if (!visit(k)) return;

@@ -20,6 +20,8 @@ struct NearestCuboid {
   std::uint32_t cuboid;  ///< index into the map's cuboids
 };
 
+class NearestCuboidSearch;
+
 /// Finds the cuboids that a robot's primitives touch (paper, section IV.A): the primitives'
 /// footprints name the cells, an exact test decides. Single false points are told from obstacles by
 /// support: returns of the window near a contact, in whichever scan.
@@ -53,6 +55,9 @@ class CollisionCheck {
   [[nodiscard]] std::optional<NearestCuboid> nearest(const CuboidMap& map, const Shape& shape,
                                                      const Pose& T_fixed_shape,
                                                      double nearer_than_m) const;
+  /// What was done so far for the questions asked, in cuboids passed by; an exact test counts as 50
+  /// of them. A measure of time that is the same in each replay.
+  [[nodiscard]] std::size_t work() const { return work_; }
   /// Whether enough returns lie near a cuboid for it to count.
   [[nodiscard]] bool hasSupport(const CuboidMap& map, const Cuboid& cuboid) const;
 
@@ -63,8 +68,11 @@ class CollisionCheck {
                      std::uint32_t index, Visit&& visit) const;
   [[nodiscard]] bool isExempt(std::uint32_t index, const UprightBox& cuboid) const;
 
+  friend class NearestCuboidSearch;
+
   Config config_;
   ExemptRegions exempt_;
+  mutable std::size_t work_ = 0;  ///< of one thread's checks
 };
 
 }  // namespace tccm

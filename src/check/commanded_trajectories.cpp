@@ -18,14 +18,24 @@ constexpr double kArrived = 0.05;         // [rad or m] from its end
 constexpr std::size_t kWayPoints = 4096;  // a way with more corners makes for allocation
 constexpr double kTurn = 2.0 * 3.14159265358979323846;
 
+bool isSet(const std::vector<bool>& flags, std::size_t v) { return v < flags.size() && flags[v]; }
+
+/// What ends a joint's way in the direction that it moves in; nothing where it was measured beyond
+/// that limit before, which does not hold therefore.
+std::optional<double> limitAhead(const JointVariable& variable, const JointSnapshot& joints,
+                                 std::size_t v, double velocity) {
+  if (velocity > 0.0) return isSet(joints.beyond_upper, v) ? std::nullopt : variable.upper;
+  return isSet(joints.beyond_lower, v) ? std::nullopt : variable.lower;
+}
+
 /// Where a joint is after that time at its velocity.
-double positionAfter(const JointVariable& variable, double position, double velocity,
+double positionAfter(const std::optional<double>& limit, double position, double velocity,
                      double time_s) {
-  double ahead = position + time_s * velocity;
-  // A joint measured beyond its limit stays where it is: a clamp must not move it back in.
-  if (variable.lower) ahead = std::max(ahead, std::min(*variable.lower, position));
-  if (variable.upper) ahead = std::min(ahead, std::max(*variable.upper, position));
-  return ahead;
+  const double ahead = position + time_s * velocity;
+  if (!limit) return ahead;
+  // What drivers round to beyond a limit stays: a clamp must not move it back in.
+  return velocity > 0.0 ? std::min(ahead, std::max(*limit, position))
+                        : std::max(ahead, std::min(*limit, position));
 }
 
 bool shareAny(const std::vector<std::string>& a, const std::vector<std::string>& b) {
@@ -45,11 +55,17 @@ CommandedTrajectories::CommandedTrajectories(std::shared_ptr<const RobotModel> m
                                              const Config& config)
     : model_(std::move(model)),
       config_(validated(config)),
-      ways_{
-          JointPath(model_->variables().size()), JointPath(model_->variables().size()), false, {}},
+      ways_{JointPath(model_->variables().size()),
+            JointPath(model_->variables().size()),
+            JointPath(model_->variables().size()),
+            false,
+            false,
+            {}},
       positions_(model_->variables().size()),
-      way_point_(model_->variables().size()) {
+      way_point_(model_->variables().size()),
+      limits_ahead_(model_->variables().size()) {
   ways_.measured.reserve(model_->variables().size() + 2);
+  ways_.contrary.reserve(model_->variables().size() + 2);
   ways_.commanded.reserve(kWayPoints);
   times_s_.reserve(kWayPoints);
   for (std::size_t v = 0; v < model_->variables().size(); ++v) {
@@ -78,19 +94,21 @@ std::string CommandedTrajectories::command(Time now, const JointTrajectory& traj
   if (trajectory.points.empty()) return {};
   std::string defect = trajectory.points.size() > config_.points_max
                            ? "it has more than trajectory_points_max points"
-                           : defectOf(trajectory, *model_);
+                           : defectOf(trajectory, *model_, positions);
   if (defect.empty() && positions.empty()) {
     defect = "where the robot is when it starts is not known";
   }
   if (defect.empty()) {
     Active active{trajectory.names, variablesOf(trajectory, *model_), JointPath(positions.size()),
                   0.0, now};
-    makePath(trajectory, *model_, positions, kSplineTolerance, active.path, velocities);
-    if (deviation(active, 0.0, positions) <= config_.deviation_max) {
+    if (!makePath(trajectory, *model_, positions, kSplineTolerance, active.path, velocities)) {
+      defect = "it is too long to judge in time";
+    } else if (deviation(active, 0.0, positions) <= config_.deviation_max) {
       active_.push_back(std::move(active));
       return {};
+    } else {
+      defect = "it starts elsewhere than the robot is";
     }
-    defect = "it starts elsewhere than the robot is";
   }
   defects_.push_back({trajectory.names, defect});
   return defect;
@@ -163,7 +181,8 @@ void CommandedTrajectories::findShift(Active& active, const std::vector<double>&
   }
 }
 
-void CommandedTrajectories::makeWay(const JointSnapshot& joints, double horizon_s,
+void CommandedTrajectories::makeWay(const JointSnapshot& joints,
+                                    const std::vector<double>& velocities, double horizon_s,
                                     std::vector<Active>& followed, JointPath& path) {
   times_s_.clear();
   const auto addTime = [&](double time_s) {
@@ -171,10 +190,9 @@ void CommandedTrajectories::makeWay(const JointSnapshot& joints, double horizon_
   };
   // The instants at which joints come to their limits, and those of the trajectories' points.
   for (std::size_t v = 0; v < joints.positions.size(); ++v) {
-    const JointVariable& variable = model_->variables()[v];
-    const double velocity = joints.velocities[v];
-    const std::optional<double>& limit = velocity > 0.0 ? variable.upper : variable.lower;
-    if (limit && velocity != 0.0) addTime((*limit - joints.positions[v]) / velocity);
+    limits_ahead_[v] = limitAhead(model_->variables()[v], joints, v, velocities[v]);
+    if (!limits_ahead_[v] || velocities[v] == 0.0) continue;
+    addTime((*limits_ahead_[v] - joints.positions[v]) / velocities[v]);
   }
   for (Active& active : followed) {
     for (std::size_t i = 0; i < active.path.size(); ++i) {
@@ -189,8 +207,7 @@ void CommandedTrajectories::makeWay(const JointSnapshot& joints, double horizon_
   path.add(0.0, joints.positions);
   for (const double time_s : times_s_) {
     for (std::size_t v = 0; v < way_point_.size(); ++v) {
-      way_point_[v] =
-          positionAfter(model_->variables()[v], joints.positions[v], joints.velocities[v], time_s);
+      way_point_[v] = positionAfter(limits_ahead_[v], joints.positions[v], velocities[v], time_s);
     }
     for (const Active& active : followed) {
       active.path.positionsAt(active.at_s + time_s, positions_);
@@ -203,16 +220,21 @@ void CommandedTrajectories::makeWay(const JointSnapshot& joints, double horizon_
 void CommandedTrajectories::makeMeasuredWay(const JointSnapshot& joints, double horizon_s,
                                             JointPath& path) {
   std::vector<Active> none;
-  makeWay(joints, horizon_s, none, path);
+  makeWay(joints, joints.velocities, horizon_s, none, path);
 }
 
 void CommandedTrajectories::makeWay(const JointSnapshot& joints, double horizon_s,
                                     JointPath& path) {
-  makeWay(joints, horizon_s, active_, path);
+  makeWay(joints, joints.velocities, horizon_s, active_, path);
 }
 
 const Ways& CommandedTrajectories::findWays(const JointSnapshot& joints, double horizon_s) {
   makeMeasuredWay(joints, horizon_s, ways_.measured);
+  ways_.has_contrary = !joints.contrary_velocities.empty();
+  if (ways_.has_contrary) {
+    std::vector<Active> none;
+    makeWay(joints, joints.contrary_velocities, horizon_s, none, ways_.contrary);
+  }
   ways_.follows_trajectory = active();
   if (ways_.follows_trajectory) makeWay(joints, horizon_s, ways_.commanded);
   (ways_.follows_trajectory ? ways_.commanded : ways_.measured).positionsAt(horizon_s, ways_.end);

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,7 +18,11 @@ namespace tccm {
 struct Ways {
   JointPath measured;   ///< where its velocities lead
   JointPath commanded;  ///< where it was told to go; only where it follows a trajectory
+  /// Where reported and differentiated velocities lead that differ in direction from those of the
+  /// measured way; only where has_contrary.
+  JointPath contrary;
   bool follows_trajectory;
+  bool has_contrary;
   std::vector<double> end;  ///< where it is at the horizon: as commanded, where it is that
 };
 
@@ -57,8 +62,8 @@ class CommandedTrajectories {
     return defects_.empty() ? std::string() : defects_.front().text;
   }
 
-  /// The way that measured velocities lead, each joint no further than its limits. A joint measured
-  /// beyond its limit stays where it is.
+  /// The way that measured velocities lead, each joint no further than its limits, unless it was
+  /// measured beyond them.
   /// @param path is cleared before; from 0 s to horizon_s.
   void makeMeasuredWay(const JointSnapshot& joints, double horizon_s, JointPath& path);
   /// The same for joints that no trajectory moves, the others along their trajectories.
@@ -89,18 +94,19 @@ class CommandedTrajectories {
   [[nodiscard]] bool moveOn(Active& active, Time now, const std::vector<double>& positions);
   [[nodiscard]] bool isDone(const Active& active);
   void findShift(Active& active, const std::vector<double>& positions);
-  void makeWay(const JointSnapshot& joints, double horizon_s, std::vector<Active>& followed,
-               JointPath& path);
+  void makeWay(const JointSnapshot& joints, const std::vector<double>& velocities, double horizon_s,
+               std::vector<Active>& followed, JointPath& path);
 
   std::shared_ptr<const RobotModel> model_;
   Config config_;
   std::vector<Active> active_;
   std::vector<Defect> defects_;
   Ways ways_;
-  std::vector<bool> turning_;      ///< by variable
-  std::vector<double> times_s_;    ///< reused
-  std::vector<double> positions_;  ///< reused
-  std::vector<double> way_point_;  ///< reused
+  std::vector<bool> turning_;                        ///< by variable
+  std::vector<double> times_s_;                      ///< reused
+  std::vector<double> positions_;                    ///< reused
+  std::vector<double> way_point_;                    ///< reused
+  std::vector<std::optional<double>> limits_ahead_;  ///< reused, by variable
 };
 
 }  // namespace tccm

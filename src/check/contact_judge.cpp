@@ -1,6 +1,7 @@
 #include "check/contact_judge.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <limits>
 
@@ -16,6 +17,8 @@ constexpr std::size_t kPosesMax = 256;
 constexpr double kJump = 1e-6;    // [s]; a motion that is as short cannot be followed
 constexpr double kNoise = 0.002;  // [m] by which a distance may shrink without closing
 constexpr double kOpens = 0.003;  // [m] by which it has to grow over the way
+/// In the unit of CollisionCheck::work(): some 10 ms. A robot at its work takes a hundredth of it.
+constexpr std::size_t kWorkMax = 2'000'000;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
@@ -176,7 +179,23 @@ const ContactJudge::Findings& ContactJudge::judge(const Situation& situation, Ca
   }
   findings_.collision = situation.here.collision || (ahead && !ahead->by_margin);
   if (ahead) causes.push_back(std::move(coming));
+  if (findings_.is_too_long) causes.push_back(tooLong(situation.joints));
   return findings_;
+}
+
+Cause ContactJudge::tooLong(const JointSnapshot& joints) const {
+  const auto fastest =
+      std::max_element(joints.velocities.begin(), joints.velocities.end(),
+                       [](double a, double b) { return std::abs(a) < std::abs(b); });
+  const auto v = static_cast<std::size_t>(fastest - joints.velocities.begin());
+  if (v >= joints.velocities.size())
+    return {Reason::kCheckLate, "the way ahead is too long to judge"};
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "the way ahead is too long to judge in time: joint '%.100s' moves at %.3g %s/s",
+                robot_->model->variables()[v].name.c_str(), joints.velocities[v],
+                robot_->model->slides(v) ? "m" : "rad");
+  return {Reason::kCheckLate, text};
 }
 
 std::optional<WayContact> ContactJudge::along(const Way& way) {
@@ -191,19 +210,28 @@ std::optional<WayContact> ContactJudge::along(const Way& way) {
   return found ? found : grown;
 }
 
+/// Of two first contacts the graver: a touch before one of the margin alone, then the earlier.
+std::optional<WayContact> ContactJudge::graver(const std::optional<WayContact>& one,
+                                               const std::optional<WayContact>& other) {
+  if (!one || !other) return one ? one : other;
+  if (one->by_margin != other->by_margin) return one->by_margin ? other : one;
+  return other->time_s < one->time_s ? other : one;
+}
+
 std::optional<WayContact> ContactJudge::firstAhead(const Situation& situation) {
   const std::vector<Pose>& T_fixed_roots = situation.check_here.posture().T_fixed_roots;
+  const Ways& ways = situation.commanded.ways();
   way_.skip(situation.here.contacts);
+  way_.allow(kWorkMax);
   findings_.poses = 0;
-  const auto measured = along({situation.map, situation.commanded.ways().measured, T_fixed_roots});
-  if (!situation.commanded.ways().follows_trajectory) return measured;
-  const auto commanded =
-      along({situation.map, situation.commanded.ways().commanded, T_fixed_roots});
-  if (!measured || !commanded) return measured ? measured : commanded;
-  if (measured->by_margin != commanded->by_margin) {
-    return measured->by_margin ? commanded : measured;
+  auto first = along({situation.map, ways.measured, T_fixed_roots});
+  if (ways.has_contrary)
+    first = graver(first, along({situation.map, ways.contrary, T_fixed_roots}));
+  if (ways.follows_trajectory) {
+    first = graver(first, along({situation.map, ways.commanded, T_fixed_roots}));
   }
-  return commanded->time_s < measured->time_s ? commanded : measured;
+  findings_.is_too_long = way_.isTooLong();
+  return first;
 }
 
 void ContactJudge::judgePresent(const Situation& situation, bool is_blocked, Causes& causes) {
@@ -245,10 +273,16 @@ Cause ContactJudge::causeOf(const WayContact& ahead, const Braking& braking) con
 bool ContactJudge::movesOut(const Situation& situation) {
   const bool follows = situation.commanded.ways().follows_trajectory;
   const Way way{situation.map, escape_, situation.check_here.posture().T_fixed_roots};
-  const auto opens = [&](bool must_open) {
-    return moving_out_.opens(way, situation.here.contacts, moving_out_.timeOf(escape_, kEscape_m),
-                             must_open);
+  const auto opensAlong = [&](const Way& along, bool must_open) {
+    return moving_out_.opens(along, situation.here.contacts,
+                             moving_out_.timeOf(along.path, kEscape_m), must_open);
   };
+  const auto opens = [&](bool must_open) { return opensAlong(way, must_open); };
+  const JointPath& contrary = situation.commanded.ways().contrary;
+  if (situation.commanded.ways().has_contrary &&
+      !opensAlong({way.map, contrary, way.T_fixed_roots}, false)) {
+    return false;
+  }
   situation.commanded.makeMeasuredWay(situation.joints, follows ? config_.horizon_s : kEscape_s,
                                       escape_);
   if (!opens(!follows)) return false;

@@ -79,8 +79,9 @@ class ContactJudge {
     std::optional<WayContact> first_contact;
     /// COLLISION at the present pose, also where the robot moves out of it; else CLEAR.
     Cause touching;
-    bool collision = false;  ///< something touches, now or ahead; margins do not count
-    std::size_t poses = 0;   ///< looked at on the ways
+    bool collision = false;    ///< something touches, now or ahead; margins do not count
+    std::size_t poses = 0;     ///< looked at on the ways
+    bool is_too_long = false;  ///< the ways, to be looked along in time
   };
   /// The reference is valid until the next call.
   const Findings& judge(const Situation& situation, Causes& causes);
@@ -88,6 +89,10 @@ class ContactJudge {
  private:
   [[nodiscard]] std::optional<WayContact> firstAhead(const Situation& situation);
   [[nodiscard]] std::optional<WayContact> along(const Way& way);
+  [[nodiscard]] static std::optional<WayContact> graver(const std::optional<WayContact>& one,
+                                                        const std::optional<WayContact>& other);
+  /// Names the fastest joint.
+  [[nodiscard]] Cause tooLong(const JointSnapshot& joints) const;
   void judgePresent(const Situation& situation, bool is_blocked, Causes& causes);
   /// STOP where the contact comes before the robot can halt, SLOW later.
   [[nodiscard]] Cause causeOf(const WayContact& ahead, const Braking& braking) const;

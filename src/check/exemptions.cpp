@@ -8,6 +8,8 @@
 namespace tccm {
 namespace {
 
+constexpr double kRegionMax = 1e6;  // [m]
+
 const LinkUse::Keys kKeys{"link", "link", "scale", "padding", "exceptions"};
 
 UsedShapes shapesOf(const RobotModel& model, const std::string& link) {
@@ -40,7 +42,12 @@ void Exemptions::add(Time now, const Exemption& exemption, double duration_s,
   requireOneLink(model, exemption.link);
   requireInRange("duration", duration_s, 0.0, config_.duration_max_s);
   validate(exemption.region.shape, "region");
-  if (!isRigid(exemption.region.pose)) throw ConfigError("region: its pose is none");
+  if (!isRigid(exemption.region.pose)) {
+    throw ConfigError("region: its pose is none, or lies beyond 1000 km");
+  }
+  if (boundingRadius(exemption.region.shape) > kRegionMax) {
+    throw ConfigError("region: it is larger than 1000 km; lengths are in metres");
+  }
   std::vector<Exemption> list = list_;
   list.erase(std::remove_if(list.begin(), list.end(),
                             [&exemption](const Exemption& other) {

@@ -6,6 +6,11 @@
 namespace tccm {
 namespace {
 
+/// In the unit of CollisionCheck::work(): some 0.3 s. A trajectory of 100 points takes a
+/// thousandth.
+constexpr std::size_t kWorkMax = 60'000'000;
+constexpr double kTravelMax = 1e4;         // [rad or m] of one joint; there is no need to begin
+constexpr std::size_t kWorkOfPose = 30;    // for each joint and shape
 constexpr double kSplineTolerance = 5e-4;  // [rad or m]
 
 std::string atTime(const std::string& what, double time_s) {
@@ -38,22 +43,44 @@ TrajectoryAnswer TrajectoryCheck::check(const CuboidMap& map, const JointTraject
                                         const std::vector<double>& from,
                                         const std::vector<Pose>& T_fixed_roots) {
   TrajectoryAnswer answer;
-  const std::string defect = defectOf(trajectory, *robot_->model);
+  const std::string defect = defectOf(trajectory, *robot_->model, from);
   if (!defect.empty()) {
     answer.cause = {Reason::kBadQuestion, defect};
     return answer;
   }
-  makePath(trajectory, *robot_->model, from, kSplineTolerance, path_);
+  if (!makePath(trajectory, *robot_->model, from, kSplineTolerance, path_)) return tooLong();
+  path_.travelUntil(path_.end(), positions_);
+  if (*std::max_element(positions_.begin(), positions_.end()) > kTravelMax) return tooLong();
   const Way way{map, path_, T_fixed_roots};
-  for (const JointTrajectory::Point& point : trajectory.points) {
-    place(way, point.time_s);
-    answer.clearances_m.push_back(pose_.leastClearance(map, clearance_radius_m_));
-  }
+  if (!findClearances(way, trajectory, answer)) return tooLong();
   findCollision(way, trajectory, answer);
+  if (way_.isTooLong()) return tooLong();
   if (answer.cause.reason == Reason::kClear && robot_->config.check_occlusion) {
     findOcclusion(way, trajectory, answer);
   }
   return answer;
+}
+
+TrajectoryAnswer TrajectoryCheck::tooLong() {
+  TrajectoryAnswer answer;
+  answer.cause = {Reason::kCheckLate,
+                  "it is too long to judge within a second: ask for a part of it"};
+  return answer;
+}
+
+bool TrajectoryCheck::findClearances(const Way& way, const JointTrajectory& trajectory,
+                                     TrajectoryAnswer& answer) {
+  const RobotModel& model = *robot_->model;
+  const std::size_t begun = robot_->collision.work();
+  const std::size_t each = kWorkOfPose * (model.joints().size() + model.shapes().size());
+  for (std::size_t i = 0; i < trajectory.points.size(); ++i) {
+    place(way, trajectory.points[i].time_s);
+    answer.clearances_m.push_back(pose_.leastClearance(way.map, clearance_radius_m_));
+    const std::size_t done = robot_->collision.work() - begun + (i + 1) * each;
+    if (done > kWorkMax) return false;
+    way_.allow(kWorkMax - done);
+  }
+  return true;
 }
 
 void TrajectoryCheck::place(const Way& way, double time_s) {

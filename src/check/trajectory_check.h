@@ -28,11 +28,16 @@ class TrajectoryCheck {
 
   /// @param from where the robot is, one position for each variable.
   /// @param T_fixed_roots one for each of the model's roots; they stand still.
+  /// @return CHECK_LATE for one that cannot be judged within a second.
   [[nodiscard]] TrajectoryAnswer check(const CuboidMap& map, const JointTrajectory& trajectory,
                                        const std::vector<double>& from,
                                        const std::vector<Pose>& T_fixed_roots);
 
  private:
+  [[nodiscard]] static TrajectoryAnswer tooLong();
+  /// @return false where there are too many waypoints to be judged in time.
+  [[nodiscard]] bool findClearances(const Way& way, const JointTrajectory& trajectory,
+                                    TrajectoryAnswer& answer);
   void place(const Way& way, double time_s);
   void findCollision(const Way& way, const JointTrajectory& trajectory, TrajectoryAnswer& answer);
   void findOcclusion(const Way& way, const JointTrajectory& trajectory, TrajectoryAnswer& answer);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "geometry/distance.h"
 #include "geometry/overlap.h"
@@ -11,7 +12,9 @@ namespace {
 
 constexpr std::size_t kDepthMax = 24;  // halvings; a way of a kilometre in steps of 0.1 mm
 constexpr int kSpeedSamples = 4;
-constexpr double kTouching = 1e-6;  // [m] that count as nothing
+constexpr std::size_t kWorkOfJoint = 20;  // in cuboids passed by: to place its link, or a shape
+constexpr std::size_t kWorkOfShape = 30;  // what is asked of a shape beside its cuboids
+constexpr double kTouching = 1e-6;        // [m] that count as nothing
 
 }  // namespace
 
@@ -26,7 +29,8 @@ WayCheck::WayCheck(std::shared_ptr<const CheckedRobot> robot, double step_m, dou
       bound_(*robot_->model, body_.shapes, body_.radii(margin_max_m)),
       reach_max_m_(0.5 * step_m),
       near_(kDepthMax + 1),
-      known_(body_.shapes.size()) {
+      known_(body_.shapes.size()),
+      work_end_(std::numeric_limits<std::size_t>::max()) {
   const std::size_t variables = robot_->model->variables().size();
   for (auto& shapes : near_) shapes.reserve(body_.shapes.size());
   for (Known& known : known_) known.travel.resize(variables);
@@ -65,11 +69,22 @@ void WayCheck::setMargins(const Way& way, double from_s, double to_s, double per
   }
 }
 
+void WayCheck::allow(std::size_t work) {
+  work_end_ = work_ + robot_->collision.work() + work;
+  is_too_long_ = false;
+}
+
+bool WayCheck::isExhausted() {
+  is_too_long_ = is_too_long_ || work_ + robot_->collision.work() >= work_end_;
+  return is_too_long_;
+}
+
 void WayCheck::place(const Way& way, double time_s) {
   way.path.positionsAt(time_s, positions_);
   way.path.travelUntil(time_s, travel_);
   grown_.place(kinematics_.update(positions_, way.T_fixed_roots));
   ++poses_;
+  work_ += kWorkOfJoint * (robot_->model->joints().size() + robot_->model->shapes().size());
 }
 
 double WayCheck::knownClearance(std::uint32_t shape) {
@@ -115,7 +130,9 @@ std::optional<WayCheck::Found> WayCheck::at(const Way& way, double time_s) {
 /// @pre near_[depth] are the shapes to look at.
 std::optional<WayCheck::Found> WayCheck::search(const Way& way, double from_s, double to_s,
                                                 std::size_t depth) {
+  if (isExhausted()) return std::nullopt;
   std::vector<std::uint32_t>& shapes = near_[depth];
+  work_ += kWorkOfShape * shapes.size();
   const double middle_s = 0.5 * (from_s + to_s);
   place(way, middle_s);
   way.path.travelUntil(from_s, travel_from_);

@@ -38,6 +38,11 @@ class WayCheck {
                                                        bool look_at_begin = true);
   /// At how many poses the last firstContact() looked.
   [[nodiscard]] std::size_t poses() const { return poses_; }
+  /// How much may be done from now on until a way counts as too long to be judged, in the unit of
+  /// CollisionCheck::work().
+  void allow(std::size_t work);
+  /// Whether more would have been needed since: then what firstContact() did not find may be there.
+  [[nodiscard]] bool isTooLong() const { return is_too_long_; }
 
  private:
   /// What was found of a shape at one instant of the way.
@@ -53,6 +58,8 @@ class WayCheck {
   [[nodiscard]] std::optional<Found> search(const Way& way, double from_s, double to_s,
                                             std::size_t depth);
   [[nodiscard]] std::optional<Found> at(const Way& way, double time_s);
+  /// Whether no more may be done. Notes it.
+  [[nodiscard]] bool isExhausted();
   /// Puts the robot where it is at an instant of the way.
   void place(const Way& way, double time_s);
 
@@ -78,6 +85,9 @@ class WayCheck {
   std::vector<std::vector<std::uint32_t>> near_;
   std::vector<Known> known_;  ///< by shape
   std::size_t poses_ = 0;
+  std::size_t work_ = 0;      ///< without that of the collision check
+  std::size_t work_end_ = 0;  ///< of both; see allow()
+  bool is_too_long_ = false;
   std::vector<double> positions_, travel_;  ///< of the variables as the robot was placed last
   std::vector<double> travel_from_, travel_to_, reach_, since_known_;  ///< reused
 };

@@ -42,7 +42,9 @@ double displacement(const Pose& from, const Pose& to, double radius_m) {
 
 bool isRigid(const Pose& pose) {
   constexpr double kTolerance = 1e-6;
+  constexpr double kFurthest = 1e6;  // [m]; sums and squares of what is further end at infinity
   if (!pose.matrix().allFinite()) return false;
+  if (pose.translation().cwiseAbs().maxCoeff() > kFurthest) return false;
   const Eigen::Matrix3d rotation = pose.linear();
   return (rotation * rotation.transpose()).isIdentity(kTolerance) && rotation.determinant() > 0.0;
 }

@@ -115,10 +115,12 @@ void CollisionChecker::receiveReport(const tccm_monitor::ScanReport::ConstPtr& m
   checker_->addScanReport(toTime(ros::Time::now()), report);
 }
 
-void CollisionChecker::receiveJoints(const sensor_msgs::JointState::ConstPtr& message) {
+void CollisionChecker::receiveJoints(
+    const ros::MessageEvent<sensor_msgs::JointState const>& event) {
+  const auto& message = event.getConstMessage();
   joints_rate_->tick(message->header.stamp);
   checker_->addJoints(toTime(ros::Time::now()), toTime(message->header.stamp), message->name,
-                      message->position, message->velocity);
+                      message->position, message->velocity, event.getPublisherName());
   check();
 }
 
@@ -221,6 +223,8 @@ void CollisionChecker::tellChange(const Verdict& verdict) {
   if (!defect.empty() && !std::exchange(told_velocity_, true)) {
     NODELET_WARN("Velocities are taken from positions where they are larger: %s.", defect.c_str());
   }
+  const std::string& limit = checker_->inputs().jointStates().limitDefect();
+  if (!limit.empty() && !std::exchange(told_limit_, true)) NODELET_WARN("%s.", limit.c_str());
   if (told_ == verdict.reason) return;
   told_ = verdict.reason;
   const std::string what = verdict.level == Level::kOk
@@ -327,6 +331,8 @@ void CollisionChecker::diagnose(diagnostic_updater::DiagnosticStatusWrapper& sta
     status.add("of them held", heldIn(*map));
   }
   status.add("joint states dropped: stamped in the future", checker_->inputs().futureJoints());
+  const std::string& limit = checker_->inputs().jointStates().limitDefect();
+  if (!limit.empty()) status.add("first joint beyond its limit", limit);
   status.add("cuboid_maps dropped", maps_dropped_);
   if (!map_defect_.empty()) status.add("last cuboid_map dropped", map_defect_);
   for (const auto& [reason, count] : scans_dropped_) status.add("scans dropped: " + reason, count);

@@ -47,7 +47,7 @@ class CollisionChecker : public DiagnosedNodelet {
   void setUp() override;
   void receiveMap(const tccm_monitor::CuboidMap::ConstPtr& message);
   void receiveReport(const tccm_monitor::ScanReport::ConstPtr& message);
-  void receiveJoints(const sensor_msgs::JointState::ConstPtr& message);
+  void receiveJoints(const ros::MessageEvent<sensor_msgs::JointState const>& event);
   void receiveTrajectory(const trajectory_msgs::JointTrajectory::ConstPtr& message);
   void receiveTransforms();
   void placeRootsInFixedFrame();
@@ -109,6 +109,7 @@ class CollisionChecker : public DiagnosedNodelet {
   ros::WallTime clock_moved_;  ///< when it last differed from the one before
   std::optional<Reason> told_;
   bool told_velocity_ = false;
+  bool told_limit_ = false;
   Level published_ = Level::kFault;
 };
 

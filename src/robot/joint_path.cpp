@@ -7,10 +7,12 @@
 #include <set>
 #include <utility>
 
+#include "robot/joint_rule.h"
+
 namespace tccm {
 namespace {
 
-constexpr double kLargest = 1e6;
+constexpr std::size_t kPathPointsMax = 1U << 16U;
 constexpr double kLimitTolerance = 0.01;  // [rad or m]
 constexpr double kTravelUnlimited = 2.0;  // [m] of a translation without limits, or beyond them
 
@@ -61,7 +63,7 @@ double curvatureMax(const Spline& c, double T) {
 
 bool allFinite(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(),
-                     [](double value) { return std::abs(value) <= kLargest; });
+                     [](double value) { return std::abs(value) <= kJointLargest; });
 }
 
 /// The number of variables where none has that name.
@@ -81,8 +83,8 @@ std::string defectOfJoint(const std::string& name, const RobotModel& model) {
 }
 
 /// @pre no joint has a defect
-std::string defectOfPoint(const JointTrajectory& trajectory, std::size_t i,
-                          const RobotModel& model) {
+std::string defectOfPoint(const JointTrajectory& trajectory, std::size_t i, const RobotModel& model,
+                          const std::vector<double>& measured) {
   const JointTrajectory::Point& point = trajectory.points[i];
   const std::size_t joints = trajectory.names.size();
   const auto fits = [joints](const std::vector<double>& v) {
@@ -97,12 +99,11 @@ std::string defectOfPoint(const JointTrajectory& trajectory, std::size_t i,
   }
   if (point.time_s < 0.0) return "lies before the start";
   for (std::size_t j = 0; j < joints; ++j) {
-    const JointVariable& variable = model.variables()[variableOf(trajectory.names[j], model)];
-    const double position = point.positions[j];
-    if (position < variable.lower.value_or(position) - kLimitTolerance ||
-        position > variable.upper.value_or(position) + kLimitTolerance) {
-      return "has joint '" + variable.name + "' beyond its limit";
-    }
+    const std::size_t v = variableOf(trajectory.names[j], model);
+    const std::string defect =
+        defectOfPosition(model, trajectory.names[j], point.positions[j],
+                         v < measured.size() ? std::optional(measured[v]) : std::nullopt);
+    if (!defect.empty()) return "has " + defect;
   }
   const bool rises = i == 0 || point.time_s > trajectory.points[i - 1].time_s;
   return rises ? "" : "is not after the one before it";
@@ -202,7 +203,26 @@ void JointPath::travelUntil(double time_s, std::vector<double>& travel) const {
   interpolate(travel_, time_s, travel);
 }
 
-std::string defectOf(const JointTrajectory& trajectory, const RobotModel& model) {
+std::string defectOfPosition(const RobotModel& model, const std::string& joint, double position,
+                             std::optional<double> measured) {
+  if (!(std::abs(position) <= kJointLargest)) {
+    return lineOf("joint '%.100s' at %g, which is not finite, or beyond 1000 km", joint.c_str(),
+                  position);
+  }
+  const std::size_t v = variableOf(joint, model);
+  if (v == model.variables().size()) return {};
+  const auto& [name, lower, upper, speed_max] = model.variables()[v];
+  // Not known: the limits alone count.
+  const double here = measured.value_or(lower.value_or(upper.value_or(0.0)));
+  const bool is_below = lower && position < std::min(*lower, here) - kLimitTolerance;
+  const bool is_above = upper && position > std::max(*upper, here) + kLimitTolerance;
+  if (!is_below && !is_above) return {};
+  return lineOf("joint '%.100s' at %.4g, beyond its limit of %.4g", joint.c_str(), position,
+                is_below ? *lower : *upper);
+}
+
+std::string defectOf(const JointTrajectory& trajectory, const RobotModel& model,
+                     const std::vector<double>& measured) {
   if (trajectory.names.empty()) return "it names no joint";
   if (trajectory.points.empty()) return "it has no points";
   std::set<std::string> names;
@@ -212,7 +232,7 @@ std::string defectOf(const JointTrajectory& trajectory, const RobotModel& model)
     if (!defect.empty()) return defect;
   }
   for (std::size_t i = 0; i < trajectory.points.size(); ++i) {
-    const std::string defect = defectOfPoint(trajectory, i, model);
+    const std::string defect = defectOfPoint(trajectory, i, model, measured);
     if (!defect.empty()) return "point " + std::to_string(i) + " " + defect;
   }
   return {};
@@ -224,7 +244,7 @@ std::vector<std::size_t> variablesOf(const JointTrajectory& trajectory, const Ro
   return variables;
 }
 
-void makePath(const JointTrajectory& trajectory, const RobotModel& model,
+bool makePath(const JointTrajectory& trajectory, const RobotModel& model,
               const std::vector<double>& from, double tolerance, JointPath& path,
               const std::vector<double>& velocities) {
   const std::vector<std::size_t> variables = variablesOf(trajectory, model);
@@ -257,7 +277,9 @@ void makePath(const JointTrajectory& trajectory, const RobotModel& model,
   for (std::size_t i = 0; i + 1 < trajectory.points.size(); ++i) {
     addStretch(trajectory.points[i], trajectory.points[i + 1], variables, shift, tolerance,
                positions, path);
+    if (path.size() > kPathPointsMax) return false;
   }
+  return true;
 }
 
 MotionBound::MotionBound(const RobotModel& model, const std::vector<std::size_t>& shapes,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,7 +45,15 @@ class JointPath {
 
 /// Empty, or in one line what is wrong with it: joints that are not the robot's to move, points
 /// that are incomplete, not finite or beyond a limit, times that do not rise or are below 0.
-[[nodiscard]] std::string defectOf(const JointTrajectory& trajectory, const RobotModel& model);
+/// @param measured where the robot is, one for each variable; may be empty.
+[[nodiscard]] std::string defectOf(const JointTrajectory& trajectory, const RobotModel& model,
+                                   const std::vector<double>& measured = {});
+
+/// The one rule for positions that are asked about: empty, or what is wrong with one, as "is at 7
+/// rad, beyond its limits of -3 and 3". @param measured where the joint is, if that is known: it
+/// may be asked to go as far beyond its limit as it is.
+[[nodiscard]] std::string defectOfPosition(const RobotModel& model, const std::string& joint,
+                                           double position, std::optional<double> measured);
 
 /// The variables that the trajectory's joints are, in the order of its names.
 /// @pre defectOf() is empty
@@ -62,7 +71,8 @@ class JointPath {
 /// @param tolerance [rad or m]
 /// @param velocities of all variables at the start [rad/s or m/s]; empty: at rest.
 /// @pre defectOf() is empty
-void makePath(const JointTrajectory& trajectory, const RobotModel& model,
+/// @return false where it would have more than 65,536 points: nothing can be done with it in time.
+bool makePath(const JointTrajectory& trajectory, const RobotModel& model,
               const std::vector<double>& from, double tolerance, JointPath& path,
               const std::vector<double>& velocities = {});
 

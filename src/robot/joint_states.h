@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -8,6 +9,8 @@
 #include <vector>
 
 #include "config/parameter_table.h"
+#include "robot/joint_rule.h"
+#include "robot/joint_track.h"
 #include "tccm_monitor/robot_model.h"
 #include "tccm_monitor/time.h"
 
@@ -20,6 +23,13 @@ struct JointSnapshot {
   std::vector<double> positions;  ///< [rad] or [m]
   /// Per second: the larger of the reported and the differentiated.
   std::vector<double> velocities;
+  /// The same, but for joints whose reported and differentiated velocities differ in direction:
+  /// of these the other. Empty where there is no such joint.
+  std::vector<double> contrary_velocities = {};
+  /// By variable: it was measured beyond that limit, which does not hold therefore. Empty: all
+  /// hold.
+  std::vector<bool> beyond_lower = {};
+  std::vector<bool> beyond_upper = {};
 };
 
 /// Gathers joint states from messages that may each name only some of the joints, and keeps a short
@@ -29,6 +39,7 @@ class JointStates {
   struct Config {
     double gap_max_s = 0.1;             ///< nothing is interpolated across a longer gap
     double velocity_baseline_s = 0.03;  ///< positions this far apart are differentiated
+    double limit_tolerance = 0.2;       ///< [rad], a tenth of it in m
     std::size_t samples_max = 512;      ///< kept of each joint
 
     void describe(ParameterTable& table);
@@ -41,14 +52,25 @@ class JointStates {
 
   /// Joints that the model does not need are passed over. Where a joint's stamps jump back by more
   /// than gap_max_s, time began anew and all that was known is forgotten.
+  /// A position far beyond a joint's limits is not taken.
   /// @param velocities may be empty or hold NaN: then positions are differentiated alone.
+  /// @param publisher for what is told to people; may be empty.
   Added add(Time stamp, const std::vector<std::string>& names, const std::vector<double>& positions,
-            const std::vector<double>& velocities);
+            const std::vector<double>& velocities, const std::string& publisher = {});
   void reset();
 
   /// In one line, which joint is published elsewhere than the configuration fixes it, by more than
   /// 0.01 rad or m; empty where none is. While there is one, nothing is known of the pose.
   [[nodiscard]] const std::string& contradiction() const { return contradiction_; }
+  /// In one line, which joint was said to be at two places at one time: twice in one message, by
+  /// two that publish it, or against the rule of a mimic. Empty where none was for two seconds.
+  /// Meanwhile nothing is known of the pose.
+  [[nodiscard]] const std::string& twoPositions() const { return two_positions_.text; }
+  /// In one line, which joint was said to be where or as fast as no such joint is. Empty where none
+  /// was for two seconds.
+  [[nodiscard]] const std::string& outOfRange() const { return out_of_range_.text; }
+  /// In one line, which joint was first measured a little beyond its limits; empty where none was.
+  [[nodiscard]] const std::string& limitDefect() const { return limit_defect_; }
   /// In one line, which joint's velocity was first found missing, or 0 while its position changed;
   /// empty where none was. Its positions are differentiated.
   [[nodiscard]] const std::string& velocityDefect() const { return velocity_defect_; }
@@ -65,29 +87,34 @@ class JointStates {
   [[nodiscard]] std::optional<Time> answersUntil() const;
 
  private:
-  struct Sample {
+  /// Something that no healthy robot publishes.
+  struct Doubt {
+    std::string text;
+    Time stamp;  ///< of the message that it was last seen in
+  };
+  struct Message {
     Time stamp;
-    double position = 0.0;
-    double velocity = 0.0;  ///< as reported; NaN where it was not
+    const std::vector<std::string>& names;
+    const std::vector<double>& positions;
+    const std::vector<double>& velocities;
+    std::uint8_t publisher;
   };
-  /// The last samples of one joint, in a ring that is allocated once.
-  struct Track {
-    std::vector<Sample> ring;
-    std::size_t count = 0;
-    std::size_t next = 0;
-    void add(const Sample& sample);
-    /// The k-th newest. @pre k < count
-    [[nodiscard]] const Sample& newest(std::size_t k) const {
-      return ring[(next + ring.size() - 1 - k) % ring.size()];
-    }
-  };
-  /// From one position to another; of a joint that turns freely the short way.
-  [[nodiscard]] double moved(std::size_t joint, double from, double to) const;
-  [[nodiscard]] double differentiate(std::size_t joint) const;
+  [[nodiscard]] std::uint8_t numberOf(const std::string& publisher);
+  /// @return whether it was taken.
+  bool addJoint(const Message& message, std::size_t i, std::size_t joint);
+  void noteLimits(std::size_t joint, double position);
+  void lookForSpeed(std::size_t joint);
+  /// Of a position that is not taken because a newer one, or one of the same stamp, is known.
+  void lookForSecondPosition(const Message& message, std::size_t i, std::size_t joint);
+  void lookForTwoHistories(std::size_t joint);
+  void lookForBrokenMimics(const Message& message);
+  void contradict(std::size_t joint, const JointSample& one, const JointSample& other, Time stamp);
+  [[nodiscard]] std::string placeText(std::size_t joint, const JointSample& sample) const;
+  void forgetOldDoubts();
   void lookForVelocityDefect(std::size_t joint);
-  [[nodiscard]] double velocityOf(std::size_t joint);
+  /// Fills in one joint of the snapshot.
+  void findVelocity(std::size_t joint);
   void compareWithFixed(const std::string& name, double position);
-  [[nodiscard]] bool interpolate(std::size_t joint, Time stamp, double& position) const;
 
   Config config_;
   std::unordered_map<std::string, std::size_t> index_;
@@ -95,11 +122,17 @@ class JointStates {
   std::string contradicting_joint_;
   std::string contradiction_;
   std::string velocity_defect_;
-  std::vector<std::string> names_;
-  std::vector<bool> turns_freely_;  ///< by joint
-  std::vector<Track> tracks_;
+  std::string limit_defect_;
+  Doubt two_positions_;
+  Doubt out_of_range_;
+  std::vector<JointRule> rules_;                   ///< by joint
+  std::vector<JointTrack> tracks_;                 ///< likewise
+  std::vector<bool> beyond_lower_, beyond_upper_;  ///< likewise
+  std::vector<MimicRule> mimics_;
+  std::vector<std::string> publishers_{""};
   std::optional<Time> last_message_;
   JointSnapshot snapshot_;
+  std::vector<double> contrary_;  ///< reused
 };
 
 }  // namespace tccm

@@ -1,6 +1,7 @@
 #include "tccm_monitor/robot_model.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "config/parameter_table.h"
@@ -184,11 +185,22 @@ RobotModel RobotModel::holding(const std::vector<AttachedObject>& objects) const
 
 bool RobotModel::turnsFreely(std::size_t variable) const {
   const JointVariable& limits = tree_.variables[variable];
-  const auto slides = [variable](const RobotJoint& joint) {
-    return joint.motion == RobotJoint::Motion::kTranslation && joint.variable == variable;
+  const auto differs = [variable](const RobotJoint& joint) {
+    if (joint.motion == RobotJoint::Motion::kFixed || joint.variable != variable) return false;
+    return joint.motion == RobotJoint::Motion::kTranslation ||
+           joint.multiplier != std::round(joint.multiplier);
   };
   return !limits.lower && !limits.upper &&
-         std::none_of(tree_.joints.begin(), tree_.joints.end(), slides);
+         std::none_of(tree_.joints.begin(), tree_.joints.end(), differs);
+}
+
+bool RobotModel::slides(std::size_t variable) const {
+  const RobotJoint* found = nullptr;
+  for (const RobotJoint& joint : tree_.joints) {
+    if (joint.motion == RobotJoint::Motion::kFixed || joint.variable != variable) continue;
+    if (!found || joint.name == tree_.variables[variable].name) found = &joint;
+  }
+  return found && found->motion == RobotJoint::Motion::kTranslation;
 }
 
 }  // namespace tccm

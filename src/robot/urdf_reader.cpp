@@ -68,7 +68,10 @@ RobotJoint::Motion motionOf(const urdf::Joint& joint) {
 }
 
 JointVariable variableOf(const urdf::Joint& joint) {
-  JointVariable variable{joint.name, std::nullopt, std::nullopt};
+  JointVariable variable{joint.name, std::nullopt, std::nullopt, std::nullopt};
+  if (joint.limits && joint.limits->velocity > 0.0 && std::isfinite(joint.limits->velocity)) {
+    variable.speed_max = joint.limits->velocity;
+  }
   // A <limit> that states neither end is read as 0, 0: that is no limit.
   const bool stated = joint.limits && (joint.limits->lower != 0.0 || joint.limits->upper != 0.0);
   if (joint.type != urdf::Joint::CONTINUOUS && stated) {

@@ -197,12 +197,12 @@ TEST(JointStatesRingTest, TheOldestSamplesGiveWay) {
   config.samples_max = 5;
   JointStates joints(*test::sliderModel(), config);
   for (int i = 0; i < 23; ++i) {
-    joints.add(at(0.01 * i), {"slide", "glide"}, {0.1 * i, 0.0}, {});
+    joints.add(at(0.01 * i), {"slide", "glide"}, {0.01 * i, 0.0}, {});
   }
   std::vector<double> positions;
   for (int i = 18; i < 23; ++i) {
     ASSERT_TRUE(joints.at(at(0.01 * i), positions)) << i;
-    EXPECT_NEAR(std::max(positions[0], positions[1]), 0.1 * i, 1e-12);
+    EXPECT_NEAR(std::max(positions[0], positions[1]), 0.01 * i, 1e-12);
   }
   EXPECT_FALSE(joints.at(at(0.175), positions));
 }
@@ -214,7 +214,7 @@ TEST(JointStatesRingTest, ManySamplesAreInterpolatedAsTheyWereGiven) {
   double stamp = 0.0;
   for (int i = 0; i < 400; ++i) {
     stamp += random.uniform(0.002, 0.02);
-    given.emplace_back(stamp, random.uniform(-1.0, 1.0));
+    given.emplace_back(stamp, random.uniform(-0.01, 0.01));
     joints.add(at(stamp), {"slide", "glide"}, {given.back().second, given.back().second}, {});
   }
   std::vector<double> positions;

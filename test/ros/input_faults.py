@@ -162,6 +162,13 @@ def without_left_part(message):
     return parts_of(message)[1:]
 
 
+def with_a_second_position(message):
+    """As a second node would send it: the same joints with the same stamp, elsewhere."""
+    second = JointState(header=message.header, name=message.name, velocity=message.velocity,
+                        position=[position + 0.3 for position in message.position])
+    return [message, second]
+
+
 def one_in_twenty(ranges):
     """The other beams measure nothing."""
     return [r if i % 20 == 0 else NAN for i, r in enumerate(ranges)]
@@ -248,6 +255,13 @@ FAULTS = {
         # The first of those that are all the same is sound.
         "frozen": joints(frozen(), limit=JOINT_LIMIT + ROBOT_PERIOD),
         "one of several publishers stopped": joints(without_left_part),
+        "in degrees": joints(
+            with_list("position", lambda positions: [57.3 * p for p in positions]),
+            "JOINT_OUT_OF_RANGE", ROBOT_PERIOD),
+        "velocities in ticks": joints(
+            with_list("velocity", lambda velocities: [1e5 for _ in velocities]),
+            "JOINT_OUT_OF_RANGE", ROBOT_PERIOD),
+        "at two places": joints(with_a_second_position, "JOINT_CONTRADICTED", ROBOT_PERIOD),
         **{name: joints(change) for name, change in BAD_JOINTS.items()},
     },
     "scan": {
