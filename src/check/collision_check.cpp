@@ -175,7 +175,7 @@ void CollisionCheck::visitContacts(const CuboidMap& map, const Shape& shape,
   const Height low = map.grid.heightFloor(around.min().z());
   const Height high = map.grid.heightCeil(around.max().z());
   for (CellIndex y = footprint.y_begin; y < footprint.y_end; ++y) {
-    const std::uint32_t* cell_begin = &map.cell_begin[y * map.grid.cellsX()];
+    const std::uint32_t* cell_begin = &map.cell_begin[std::size_t{y} * map.grid.cellsX()];
     const std::uint32_t end = cell_begin[footprint.x_end];
     work_ += 1 + end - cell_begin[footprint.x_begin];
     for (std::uint32_t k = cell_begin[footprint.x_begin]; k < end; ++k) {

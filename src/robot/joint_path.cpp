@@ -228,7 +228,7 @@ std::string defectOf(const JointTrajectory& trajectory, const RobotModel& model,
   std::set<std::string> names;
   for (const std::string& name : trajectory.names) {
     if (!names.insert(name).second) return "joint '" + name + "' is named twice";
-    const std::string defect = defectOfJoint(name, model);
+    std::string defect = defectOfJoint(name, model);
     if (!defect.empty()) return defect;
   }
   for (std::size_t i = 0; i < trajectory.points.size(); ++i) {

@@ -80,10 +80,11 @@ TEST_F(AreaCheckTest, ARobotThatDrivesOffIsHeldUntilAPersonResets) {
 /// As a mobile base below height_min_m that an arm stands on.
 TEST_F(AreaCheckTest, WhatStandsStillBelowTheAreaIsNotTold) {
   using namespace test;
-  model_ = modelOf(robotOf(ballLink("base") + ballLink("wheel") + ballLink("hand") +
-                           jointOf("axle", "fixed", "base", "wheel", "<origin xyz=\"0 0.3 0\"/>") +
-                           jointOf("lift", "prismatic", "base", "hand",
-                                   "<origin xyz=\"0.3 0 0.5\"/>" + axisOf("0 0 1") + limitOf("-1", "1"))));
+  model_ = modelOf(
+      robotOf(ballLink("base") + ballLink("wheel") + ballLink("hand") +
+              jointOf("axle", "fixed", "base", "wheel", "<origin xyz=\"0 0.3 0\"/>") +
+              jointOf("lift", "prismatic", "base", "hand",
+                      "<origin xyz=\"0.3 0 0.5\"/>" + axisOf("0 0 1") + limitOf("-1", "1"))));
   for (unsigned seed = 0; seed < kMembers; ++seed) {
     Random random(seed);
     for (const bool is_static : {true, false}) {
@@ -98,9 +99,10 @@ TEST_F(AreaCheckTest, WhatStandsStillBelowTheAreaIsNotTold) {
 
 TEST_F(AreaCheckTest, OfARobotThatStandsInTheAreaTheArmHasToBeInside) {
   using namespace test;
-  model_ = modelOf(robotOf(ballLink("base") + ballLink("hand") +
-                           jointOf("lift", "prismatic", "base", "hand",
-                                   "<origin xyz=\"-1 0 0.5\"/>" + axisOf("0 0 1") + limitOf("-1", "1"))));
+  model_ = modelOf(
+      robotOf(ballLink("base") + ballLink("hand") +
+              jointOf("lift", "prismatic", "base", "hand",
+                      "<origin xyz=\"-1 0 0.5\"/>" + axisOf("0 0 1") + limitOf("-1", "1"))));
   for (const bool is_static : {true, false}) {
     remake();
     setRootAt(kStart, {0.5, 0.0, 0.5}, is_static);

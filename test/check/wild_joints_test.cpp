@@ -237,7 +237,8 @@ TEST_F(LyingJointsTest, WhereVelocityAndPositionsDifferInDirectionBothWaysAreLoo
     }
     remake();
     for (int k = 10; k >= 0; --k) feed(kStart - 0.01 * k, post_, 0.6 + 0.01 * k * speed, said);
-    EXPECT_EQ(reasonAt(kStart), Reason::kClear) << "both lead away";
+    // At most it goes where the map does not reach.
+    EXPECT_LT(check(kStart).level, Level::kStop) << "both lead away";
   }
 }
 
