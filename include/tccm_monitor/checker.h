@@ -85,7 +85,7 @@ class Checker {
   const Verdict& fail(Time now, const Cause& cause);
   /// Lifts what holds until it is reset. @return why not; empty where it is lifted.
   [[nodiscard]] std::string reset();
-  /// As at the start: after time has jumped back.
+  /// As at the start, but for what holds until it is reset: after time has jumped back.
   void startAnew();
 
   /// What a controller asks about: the same checks for a pose that the robot is not in. Joints that

@@ -64,7 +64,7 @@ class Monitor {
   void attach(Time now, const AttachedObject& object, double forget_padding_m);
   /// @return false where no object has that name. @pre hasRobot()
   bool detach(const std::string& object);
-  /// As at the start: after time has jumped back. Serials go on.
+  /// As at the start: after time has jumped back. Serials go on, and what holds until it is reset.
   void reset();
   /// The map after the last scan; none before the first.
   [[nodiscard]] const CuboidMap* map() const;

@@ -1,9 +1,9 @@
 #include "check/area_check.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <utility>
 
+#include "base/line_of.h"
 #include "geometry/overlap.h"
 
 namespace tccm {
@@ -20,15 +20,12 @@ std::vector<bool> linksThatMove(const RobotModel& model) {
 
 std::string textOf(const std::string& link, const Vector3& p_fixed, const UprightBox& area,
                    const std::string& fixed_frame) {
-  char text[400];
-  std::snprintf(text, sizeof text,
-                "nothing of the robot that moves is inside the map's area: %.60s is at (%.2f, "
-                "%.2f, %.2f) in %.60s, and the area is x %.2f to %.2f, y %.2f to %.2f, z %.2f to "
-                "%.2f m; drive back, or enlarge it (area_*_m, height_*_m)",
-                link.c_str(), p_fixed.x(), p_fixed.y(), p_fixed.z(), fixed_frame.c_str(),
-                area.min().x(), area.max().x(), area.min().y(), area.max().y(), area.min().z(),
-                area.max().z());
-  return text;
+  return lineOf(
+      "nothing of the robot that moves is inside the map's area: %.60s is at (%.2f, "
+      "%.2f, %.2f) in %.60s, and the area is x %.2f to %.2f, y %.2f to %.2f, z %.2f to "
+      "%.2f m; drive back, or enlarge it (area_*_m, height_*_m)",
+      link.c_str(), p_fixed.x(), p_fixed.y(), p_fixed.z(), fixed_frame.c_str(), area.min().x(),
+      area.max().x(), area.min().y(), area.max().y(), area.min().z(), area.max().z());
 }
 
 }  // namespace

@@ -1,15 +1,14 @@
 #include "check/check_inputs.h"
 
 #include <algorithm>
-#include <cstdio>
+
+#include "base/line_of.h"
 
 namespace tccm {
 namespace {
 
 std::string ageText(const std::string& what, Duration age) {
-  char text[200];
-  std::snprintf(text, sizeof text, "%.150s %.0f ms", what.c_str(), 1e3 * toSeconds(age));
-  return text;
+  return lineOf("%.150s %.0f ms", what.c_str(), 1e3 * toSeconds(age));
 }
 
 std::string neverPublished(const std::vector<std::string>& joints) {

@@ -132,7 +132,9 @@ TrajectoryAnswer Checker::checkTrajectory(Time now, const JointTrajectory& traje
   CheckInputs& inputs = parts_->inputs;
   answer = parts_->judges.trajectory.check(*inputs.map(), trajectory, inputs.joints()->positions,
                                            inputs.rootPoses());
-  if (answer.cause.reason != Reason::kBadQuestion) parts_->findOutside(trajectory, answer);
+  const Reason reason = answer.cause.reason;
+  const bool is_judged = reason != Reason::kBadQuestion && reason != Reason::kCheckLate;
+  if (is_judged) parts_->findOutside(trajectory, answer);
   return answer;
 }
 

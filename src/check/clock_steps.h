@@ -3,10 +3,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <optional>
 #include <string>
 
+#include "base/line_of.h"
 #include "tccm_monitor/time.h"
 
 namespace tccm {
@@ -30,11 +30,8 @@ class ClockSteps {
   }
   /// For people.
   [[nodiscard]] std::string text() const {
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  "time goes to and fro, back by %.4g s lately: two sources of /clock? stop one",
+    return lineOf("time goes to and fro, back by %.4g s lately: two sources of /clock? stop one",
                   toSeconds(back_));
-    return text;
   }
 
  private:

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
+#include "base/line_of.h"
 #include "geometry/distance.h"
 
 namespace tccm {
@@ -190,12 +190,10 @@ Cause ContactJudge::tooLong(const JointSnapshot& joints) const {
   const auto v = static_cast<std::size_t>(fastest - joints.velocities.begin());
   if (v >= joints.velocities.size())
     return {Reason::kCheckLate, "the way ahead is too long to judge"};
-  char text[200];
-  std::snprintf(text, sizeof text,
-                "the way ahead is too long to judge in time: joint '%.100s' moves at %.3g %s/s",
-                robot_->model->variables()[v].name.c_str(), joints.velocities[v],
-                robot_->model->slides(v) ? "m" : "rad");
-  return {Reason::kCheckLate, text};
+  return {Reason::kCheckLate,
+          lineOf("the way ahead is too long to judge in time: joint '%.100s' moves at %.3g %s/s",
+                 robot_->model->variables()[v].name.c_str(), joints.velocities[v],
+                 robot_->model->slides(v) ? "m" : "rad")};
 }
 
 std::optional<WayContact> ContactJudge::along(const Way& way) {
@@ -256,8 +254,7 @@ Cause ContactJudge::causeOf(const WayContact& ahead, const Braking& braking) con
   const std::string what = textOfContact(
       model, ahead.contact.shape,
       ahead.by_margin ? " comes too near to the map for its speed" : " touches the map ahead");
-  char text[200];
-  std::snprintf(text, sizeof text, "%.150s in %.0f ms", what.c_str(), 1e3 * ahead.time_s);
+  const std::string text = lineOf("%.150s in %.0f ms", what.c_str(), 1e3 * ahead.time_s);
   // A contact that comes sooner cannot be waited for.
   const double halt_s =
       config_.stop_time_s + delay_s_ + 0.5 * ahead.link_speed_mps / braking.deceleration_mps2;

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <functional>
+
+#include "base/line_of.h"
 
 namespace tccm {
 namespace {
@@ -86,14 +87,11 @@ void EvidenceCheck::judge(const Situation& situation, Causes& causes) {
     const std::string link = nameOf(most(findings_.links, [](const LinkEvidence& evidence) {
       return evidence.unseen_fraction * evidence.new_volume_m3;
     }));
-    char text[300];
-    const int length =
-        std::snprintf(text, sizeof text, "%.0f %% of the way ahead is unseen, most of %.100s's",
-                      100.0 * findings_.unseen_fraction, link.c_str());
+    std::string text = lineOf("%.0f %% of the way ahead is unseen, most of %.100s's",
+                              100.0 * findings_.unseen_fraction, link.c_str());
     if (findings_.outside_fraction > 0.0) {
-      std::snprintf(text + length, sizeof text - static_cast<std::size_t>(length),
-                    "; %.0f %% of it lies outside the map's area",
-                    100.0 * findings_.outside_fraction);
+      text +=
+          lineOf("; %.0f %% of it lies outside the map's area", 100.0 * findings_.outside_fraction);
     }
     causes.push_back(config_.unseen_stops
                          ? Cause::stopping(Reason::kUnseenAhead, text, link)

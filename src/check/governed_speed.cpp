@@ -1,8 +1,8 @@
 #include "check/governed_speed.h"
 
 #include <cmath>
-#include <cstdio>
 
+#include "base/line_of.h"
 #include "geometry/distance.h"
 
 namespace tccm {
@@ -124,13 +124,10 @@ void GovernedSpeed::judge(const Situation& situation, Causes& causes) {
   }
   if (limit_.scale >= 1.0) return;
   const std::string& link = model_->links()[limit_.link];
-  char text[200];
-  if (limit_.next_look_s) {
-    std::snprintf(text, sizeof text, "%.100s: the place ahead is looked at in %.0f ms",
-                  link.c_str(), 1e3 * *limit_.next_look_s);
-  } else {
-    std::snprintf(text, sizeof text, "%.100s: no look at the place ahead is due", link.c_str());
-  }
+  const std::string text = limit_.next_look_s
+                               ? lineOf("%.100s: the place ahead is looked at in %.0f ms",
+                                        link.c_str(), 1e3 * *limit_.next_look_s)
+                               : lineOf("%.100s: no look at the place ahead is due", link.c_str());
   causes.push_back(Cause::slowing(Reason::kSpeedGoverned, limit_.scale, text, link));
 }
 

@@ -1,7 +1,8 @@
 #include "check/trajectory_check.h"
 
 #include <algorithm>
-#include <cstdio>
+
+#include "base/line_of.h"
 
 namespace tccm {
 namespace {
@@ -14,9 +15,7 @@ constexpr std::size_t kWorkOfPose = 30;    // for each joint and shape
 constexpr double kSplineTolerance = 5e-4;  // [rad or m]
 
 std::string atTime(const std::string& what, double time_s) {
-  char text[200];
-  std::snprintf(text, sizeof text, "%.150s after %.3f s", what.c_str(), time_s);
-  return text;
+  return lineOf("%.150s after %.3f s", what.c_str(), time_s);
 }
 
 }  // namespace

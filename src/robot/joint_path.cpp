@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "base/line_of.h"
 #include "robot/joint_rule.h"
 
 namespace tccm {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
+
+#include "base/line_of.h"
 
 namespace tccm {
 namespace {
@@ -24,15 +24,6 @@ double distanceBeyond(const JointVariable& variable, double position) {
 }
 
 }  // namespace
-
-std::string lineOf(const char* format, ...) {
-  char text[400];
-  va_list values;
-  va_start(values, format);
-  std::vsnprintf(text, sizeof text, format, values);
-  va_end(values);
-  return text;
-}
 
 double JointRule::beyond(double position) const {
   double least = distanceBeyond(variable, position);

@@ -45,7 +45,4 @@ struct MimicRule {
 
 [[nodiscard]] std::vector<MimicRule> mimicsOf(const RobotModel& model);
 
-/// A printf of at most 400 characters.
-[[nodiscard, gnu::format(printf, 1, 2)]] std::string lineOf(const char* format, ...);
-
 }  // namespace tccm

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
+#include "base/line_of.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
@@ -69,11 +69,9 @@ void JointStates::compareWithFixed(const std::string& name, double position) {
   const auto fixed = fixed_.find(name);
   if (fixed == fixed_.end()) return;
   if (!(std::abs(position - fixed->second) <= kFixedTolerance)) {
-    char text[200];
-    std::snprintf(text, sizeof text, "joint '%.100s' is published at %.3f, fixed_joints says %.3f",
-                  name.c_str(), position, fixed->second);
     contradicting_joint_ = name;
-    contradiction_ = text;
+    contradiction_ = lineOf("joint '%.100s' is published at %.3f, fixed_joints says %.3f",
+                            name.c_str(), position, fixed->second);
   } else if (contradicting_joint_ == name) {
     contradicting_joint_.clear();
     contradiction_.clear();

@@ -194,6 +194,24 @@ TEST(WildJointsTest, TheLongestTrajectoryThatIsAllowedIsAnsweredWithinASecond) {
   EXPECT_EQ(answer.cause.reason, Reason::kCheckLate) << answer.cause.detail;
 }
 
+TEST(WildJointsTest, WhatIsTooLongIsNotLookedThroughForWhereItLeavesTheArea) {
+  WildChecker wild(simulation::dualArm());
+  Checker::Config config;
+  config.trajectories.points_max = 1000000;
+  wild.checker.reconfigure(config);
+  wild.checker.setRootPose(0, Time(), Pose(Eigen::Translation3d(100.0, 0.0, 0.0)), true);
+  const std::vector<double> here = armsAhead(*wild.model, -0.8);
+  wild.feed(here, std::vector<double>(here.size(), 0.0));
+  JointTrajectory trajectory{wild.names, std::vector<JointTrajectory::Point>(60000)};
+  for (std::size_t i = 0; i < trajectory.points.size(); ++i) {
+    trajectory.points[i] = {0.1 * static_cast<double>(i), here, {}, {}};
+  }
+  const double begun = cpuTime();
+  const TrajectoryAnswer answer = wild.checker.checkTrajectory(wild.now, trajectory);
+  EXPECT_LT(noted("answer_us", cpuTime() - begun), kAnswerMax);
+  EXPECT_EQ(answer.cause.reason, Reason::kCheckLate) << answer.cause.detail;
+}
+
 /// The slider's hand, and the post that it touches from 0.71 m on.
 class LyingJointsTest : public CheckerFixture {};
 
