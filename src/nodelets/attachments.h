@@ -13,6 +13,7 @@
 
 #include "monitor_config.h"
 #include "ros/conversions.h"
+#include "ros/handles.h"
 #include "ros/transform_history.h"
 #include "tccm_monitor/config_error.h"
 
@@ -25,9 +26,9 @@ class Attachments {
  public:
   Attachments(ros::NodeHandle node, const CheckerConfig& config, Checker& checker)
       : config_(config), checker_(checker) {
-    publisher_ = node.advertise<tccm_monitor::AttachedObjects>("attached_objects", 1, true);
-    attach_service_ = node.advertiseService("attach_object", &Attachments::attach, this);
-    detach_service_ = node.advertiseService("detach_object", &Attachments::detach, this);
+    publisher_ = advertise<tccm_monitor::AttachedObjects>(node, "attached_objects", 1, true);
+    attach_service_ = serve(node, "attach_object", &Attachments::attach, this);
+    detach_service_ = serve(node, "detach_object", &Attachments::detach, this);
     publish();  // an empty hand: what was held before this node started is not known any more
   }
 
@@ -74,7 +75,7 @@ class Attachments {
     message.primitive = request.primitive;
     try {
       const AttachedObject object = fromMessage(message);
-      static_cast<void>(checker_.model()->holding({object}));
+      static_cast<void>(checker_.model()->holding(with(object)));
       const ros::Time now = ros::Time::now();
       if (now.isZero()) throw ConfigError("simulated time has not begun");
       message.attached_at = tf2::toMsg(checker_.placeOf(toTime(now), object).pose);
@@ -98,6 +99,16 @@ class Attachments {
     pending_.insert(request.name);
     publish();
     return true;
+  }
+
+  /// What would be attached.
+  [[nodiscard]] std::vector<tccm::AttachedObject> with(const tccm::AttachedObject& object) const {
+    std::vector<tccm::AttachedObject> objects;
+    for (const auto& other : list_.objects) {
+      if (other.name != object.name) objects.push_back(fromMessage(other));
+    }
+    objects.push_back(object);
+    return objects;
   }
 
   bool detach(tccm_monitor::DetachObject::Request& request,

@@ -21,7 +21,8 @@ namespace {
 
 constexpr double kClockStallMax = 0.5;  // [s] of wall time; recordings' clocks come in bursts
 constexpr double kLatencyMax = 0.2;  // [s] by which margins grow; a slower machine is late anyway
-constexpr double kLatencyForgotten = 0.99;  // kept of the longest latency at each new map
+constexpr std::size_t kDropReasonsMax = 20;  // the assembler has fewer; others may publish as well
+constexpr double kLatencyForgotten = 0.99;   // kept of the longest latency at each new map
 
 ScanReport fromMessage(const tccm_monitor::ScanReport& message) {
   using Outcome = ScanReport::Outcome;
@@ -42,35 +43,35 @@ void publishValue(const ros::Publisher& publisher, Value value) {
 }  // namespace
 
 void CollisionChecker::setUp() {
-  ros::NodeHandle& node = getNodeHandle();
-  config_ = configFrom<CheckerConfig>(getPrivateNodeHandle());
+  config_ = configFrom<CheckerConfig>(privateNode());
   config_.checker.inputs.fixed_frame = config_.fixed_frame;
-  checker_ = std::make_unique<Checker>(sharedRobotModel(node), config_.checker);
+  checker_ = std::make_unique<Checker>(sharedRobotModel(node()), config_.checker);
   NODELET_INFO("Self-test passed: a cuboid in any of %zu primitives is found.",
                checker_->checkHere().collisionBody().shapes.size());
   becomeFault(Reason::kInit, "nothing was checked yet");
   transforms_ =
       std::make_unique<TransformHistory>(fromSeconds(config_.checker.inputs.transform_timeout_s));
-  permission_publisher_ = node.advertise<tccm_monitor::MotionPermission>("motion_permission", 10);
-  stop_publisher_ = node.advertise<std_msgs::Bool>("stop", 10);
-  collision_publisher_ = node.advertise<std_msgs::Bool>("collision", 10);
-  occlusion_publisher_ = node.advertise<std_msgs::Bool>("occlusion", 10);
-  scale_publisher_ = node.advertise<std_msgs::Float64>("speed_scale", 10);
-  status_publisher_ = node.advertise<tccm_monitor::MonitorStatus>("monitor_status", 10);
-  marker_publisher_ = node.advertise<visualization_msgs::MarkerArray>("robot_markers", 2);
-  image_publisher_ = node.advertise<sensor_msgs::Image>("occlusion_image", 2);
-  checked_map_publisher_ = node.advertise<tccm_monitor::CuboidMap>("checked_map", 2);
+  permission_publisher_ =
+      advertise<tccm_monitor::MotionPermission>(node(), "motion_permission", 10);
+  stop_publisher_ = advertise<std_msgs::Bool>(node(), "stop", 10);
+  collision_publisher_ = advertise<std_msgs::Bool>(node(), "collision", 10);
+  occlusion_publisher_ = advertise<std_msgs::Bool>(node(), "occlusion", 10);
+  scale_publisher_ = advertise<std_msgs::Float64>(node(), "speed_scale", 10);
+  status_publisher_ = advertise<tccm_monitor::MonitorStatus>(node(), "monitor_status", 10);
+  marker_publisher_ = advertise<visualization_msgs::MarkerArray>(node(), "robot_markers", 2);
+  image_publisher_ = advertise<sensor_msgs::Image>(node(), "occlusion_image", 2);
+  checked_map_publisher_ = advertise<tccm_monitor::CuboidMap>(node(), "checked_map", 2);
   const CheckInputs::Config& limits = config_.checker.inputs;
   joints_rate_ = watch("joint_states", limits.joint_timeout_s, limits.future_max_s);
   scan_rate_ = watch("scan", limits.map_age_max_s, limits.future_max_s);
   map_rate_ = watch("cuboid_map", limits.map_age_max_s, limits.future_max_s);
-  attachments_ = std::make_unique<Attachments>(node, config_, *checker_);
-  services_ = {node.advertiseService("check_state", &CollisionChecker::checkState, this),
-               node.advertiseService("check_trajectory", &CollisionChecker::checkTrajectory, this),
-               node.advertiseService("add_exemption", &CollisionChecker::addExemption, this),
-               node.advertiseService("reset", &CollisionChecker::reset, this)};
-  tuning_ = std::make_unique<Tuning>(getPrivateNodeHandle(), config_, *checker_);
-  inputs_ = hearTransforms(node, *transforms_, [this] { receiveTransforms(); });
+  attachments_ = std::make_unique<Attachments>(node(), config_, *checker_);
+  services_ = {serve(node(), "check_state", &CollisionChecker::checkState, this),
+               serve(node(), "check_trajectory", &CollisionChecker::checkTrajectory, this),
+               serve(node(), "add_exemption", &CollisionChecker::addExemption, this),
+               serve(node(), "reset", &CollisionChecker::reset, this)};
+  tuning_ = std::make_unique<Tuning>(privateNode(), config_, *checker_);
+  inputs_ = hearTransforms(node(), *transforms_, [this] { receiveTransforms(); });
   inputs_.push_back(hear("cuboid_map", 10, &CollisionChecker::receiveMap));
   inputs_.push_back(hear("scan_report", 50, &CollisionChecker::receiveReport));
   inputs_.push_back(hear("joint_states", 200, &CollisionChecker::receiveJoints));
@@ -110,9 +111,14 @@ void CollisionChecker::receiveMap(const tccm_monitor::CuboidMap::ConstPtr& messa
 void CollisionChecker::receiveReport(const tccm_monitor::ScanReport::ConstPtr& message) {
   const ScanReport report = fromMessage(*message);
   if (report.outcome == ScanReport::Outcome::kWaiting) scan_rate_->tick(message->header.stamp);
-  if (report.outcome == ScanReport::Outcome::kDropped) ++scans_dropped_[report.dropped];
+  if (report.outcome == ScanReport::Outcome::kDropped) countDrop(report.dropped);
   if (report.outcome == ScanReport::Outcome::kAssembled) assembled_ = *message;
   checker_->addScanReport(toTime(ros::Time::now()), report);
+}
+
+void CollisionChecker::countDrop(const std::string& reason) {
+  const bool known = scans_dropped_.count(reason) > 0 || scans_dropped_.size() < kDropReasonsMax;
+  ++scans_dropped_[known ? reason : "other"];
 }
 
 void CollisionChecker::receiveJoints(
@@ -337,6 +343,7 @@ void CollisionChecker::diagnose(diagnostic_updater::DiagnosticStatusWrapper& sta
   if (!map_defect_.empty()) status.add("last cuboid_map dropped", map_defect_);
   for (const auto& [reason, count] : scans_dropped_) status.add("scans dropped: " + reason, count);
   status.add("exemptions", checker_->exemptions().size());
+  if (!transforms_->defect().empty()) status.add("tf", transforms_->defect());
 }
 
 void CollisionChecker::diagnoseEvidence(diagnostic_updater::DiagnosticStatusWrapper& status) const {

@@ -34,6 +34,7 @@ using tccm_monitor::CheckTrajectory;
 class CollisionChecker : public DiagnosedNodelet {
  public:
   CollisionChecker() : DiagnosedNodelet("verdict") {}
+  ~CollisionChecker() override { end(); }
 
  private:
   /// How long scans take; NaN where that is not known.
@@ -47,6 +48,7 @@ class CollisionChecker : public DiagnosedNodelet {
   void setUp() override;
   void receiveMap(const tccm_monitor::CuboidMap::ConstPtr& message);
   void receiveReport(const tccm_monitor::ScanReport::ConstPtr& message);
+  void countDrop(const std::string& reason);
   void receiveJoints(const ros::MessageEvent<sensor_msgs::JointState const>& event);
   void receiveTrajectory(const trajectory_msgs::JointTrajectory::ConstPtr& message);
   void receiveTransforms();

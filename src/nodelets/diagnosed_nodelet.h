@@ -11,9 +11,13 @@
 #include <limits>
 #include <list>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "nodelets/callback_thread.h"
+#include "ros/handles.h"
 
 namespace tccm {
 
@@ -38,27 +42,33 @@ class MessagePool {
   std::vector<boost::shared_ptr<Message>> messages_;
 };
 
-/// What the nodelets have in common. All callbacks of one run one after the other.
+/// What the nodelets have in common. All callbacks of one run one after the other, from when it is
+/// set up until it ends.
 class DiagnosedNodelet : public nodelet::Nodelet {
  protected:
   /// @param what the diagnostics are about.
   explicit DiagnosedNodelet(std::string what) : what_(std::move(what)) {}
 
-  /// First what may be refused, then what is published and answered, last what is heard: the
-  /// manager deletes the callback queues of a nodelet that refuses to start before the nodelet,
-  /// whose publishers and servers would still use them; and what is heard may come at once.
-  /// What it throws is logged as one line and thrown on: the nodelet is not loaded, and its manager
-  /// lives on.
+  /// Nothing is called back before it has returned. What it throws is logged as one line and thrown
+  /// on: the nodelet is not loaded, and its manager lives on.
   virtual void setUp() = 0;
+  /// Nothing is called back from then on. Each nodelet's destructor begins with it: its members end
+  /// before those of this class do.
+  void end() {
+    if (thread_) thread_->stop();
+  }
   virtual void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) = 0;
   /// Twice a second.
   virtual void nowAndThen() {}
 
+  /// In the nodelet's namespace.
+  [[nodiscard]] const ros::NodeHandle& node() const { return *node_; }
+  /// In its private one.
+  [[nodiscard]] const ros::NodeHandle& privateNode() const { return *private_node_; }
   /// Advertises them: after what may be refused.
   [[nodiscard]] diagnostic_updater::Updater& diagnostics() {
     if (!diagnostics_) {
-      diagnostics_ = std::make_unique<diagnostic_updater::Updater>(
-          getNodeHandle(), getPrivateNodeHandle(), getName());
+      diagnostics_.emplace(node(), privateNode(), getName());
       diagnostics_->setHardwareID("none");
       diagnostics_->add(what_, this, &DiagnosedNodelet::diagnose);
     }
@@ -78,19 +88,21 @@ class DiagnosedNodelet : public nodelet::Nodelet {
   template <typename Message, typename Derived>
   [[nodiscard]] ros::Subscriber hear(const std::string& topic, std::uint32_t queue,
                                      void (Derived::*receive)(const Message&)) {
-    return getNodeHandle().subscribe(topic, queue, receive, static_cast<Derived*>(this),
-                                     ros::TransportHints().tcpNoDelay());
+    return tccm::hear(node(), topic, queue, receive, static_cast<Derived*>(this));
   }
   /// By wall time, also where simulated time stands still.
   template <typename Callback>
   [[nodiscard]] ros::WallTimer timer(double period_s, Callback callback) {
-    return getNodeHandle().createWallTimer(ros::WallDuration(period_s),
-                                           [callback](const ros::WallTimerEvent&) { callback(); });
+    return node().createWallTimer(ros::WallDuration(period_s),
+                                  [callback](const ros::WallTimerEvent&) { callback(); });
   }
 
  private:
   void onInit() final {
     try {
+      thread_.emplace();
+      node_.emplace(thread_->copyOf(getNodeHandle()));
+      private_node_.emplace(thread_->copyOf(getPrivateNodeHandle()));
       setUp();
     } catch (const std::exception& error) {
       ROS_FATAL("%s refuses to start: %s", getName().c_str(), error.what());
@@ -100,12 +112,15 @@ class DiagnosedNodelet : public nodelet::Nodelet {
       nowAndThen();
       diagnostics().update();
     });
+    thread_->start();
   }
 
   std::string what_;
+  std::optional<CallbackThread> thread_;
+  std::optional<ros::NodeHandle> node_, private_node_;
   std::list<double> rates_min_hz_;  ///< of what is watched, where they stay
   double rate_max_hz_ = std::numeric_limits<double>::infinity();
-  std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
+  std::optional<diagnostic_updater::Updater> diagnostics_;
   ros::WallTimer diagnostics_timer_;
 };
 

@@ -24,18 +24,18 @@ namespace tccm {
 class TccmMapper : public DiagnosedNodelet {
  public:
   TccmMapper() : DiagnosedNodelet("map") {}
+  ~TccmMapper() override { end(); }
 
  private:
   void setUp() override {
-    ros::NodeHandle& node = getNodeHandle();
-    config_ = configFrom<MapperConfig>(getPrivateNodeHandle());
+    config_ = configFrom<MapperConfig>(privateNode());
     mapper_ = std::make_unique<Mapper>(config_.mapper);
     ages_ = std::make_unique<PlaceAges>(mapper_->map());
     mapper_->reserve(snapshot_);
-    map_publisher_ = node.advertise<tccm_monitor::CuboidMap>("cuboid_map", 10);
-    marker_publisher_ = node.advertise<visualization_msgs::Marker>("cuboid_markers", 4);
-    services_ = {node.advertiseService("clear_map", &TccmMapper::clearMap, this),
-                 node.advertiseService("get_cuboid_map", &TccmMapper::getCuboidMap, this)};
+    map_publisher_ = advertise<tccm_monitor::CuboidMap>(node(), "cuboid_map", 10);
+    marker_publisher_ = advertise<visualization_msgs::Marker>(node(), "cuboid_markers", 4);
+    services_ = {serve(node(), "clear_map", &TccmMapper::clearMap, this),
+                 serve(node(), "get_cuboid_map", &TccmMapper::getCuboidMap, this)};
     marker_timer_ = timer(1.0 / config_.marker_rate_hz, [this] { publishMarkers(); });
     inputs_ = {hear("scan_cloud", 20, &TccmMapper::receiveCloud),
                hear("attached_objects", 5, &TccmMapper::receiveAttached)};

@@ -22,24 +22,25 @@ namespace tccm {
 class TiltScanAssembler : public DiagnosedNodelet {
  public:
   TiltScanAssembler() : DiagnosedNodelet("scans") {}
+  ~TiltScanAssembler() override { end(); }
 
  private:
   void setUp() override {
-    ros::NodeHandle& node = getNodeHandle();
-    config_ = configFrom<AssemblerConfig>(getPrivateNodeHandle());
-    const auto model = config_.scan.self_filter ? sharedRobotModel(node) : nullptr;
+    config_ = configFrom<AssemblerConfig>(privateNode());
+    const auto model = config_.scan.self_filter ? sharedRobotModel(node()) : nullptr;
     stage_ = std::make_unique<ScanStage>(config_.scan, model);
     transforms_ = std::make_unique<TransformHistory>(fromSeconds(config_.transform_gap_max_s));
     source_ = std::make_unique<ScanSource>(
         config_, model ? model->rootLinks() : std::vector<std::string>(), *transforms_);
     source_->onDrop([this](Time stamp, const std::string& reason) { drop(stamp, reason); });
-    cloud_publisher_ = node.advertise<sensor_msgs::PointCloud2>("scan_cloud", 10);
-    report_publisher_ = node.advertise<tccm_monitor::ScanReport>("scan_report", 50);
+    cloud_publisher_ = advertise<sensor_msgs::PointCloud2>(node(), "scan_cloud", 10);
+    report_publisher_ = advertise<tccm_monitor::ScanReport>(node(), "scan_report", 50);
     if (model) {
-      marker_publisher_ = node.advertise<visualization_msgs::MarkerArray>("self_filter_markers", 2);
+      marker_publisher_ =
+          advertise<visualization_msgs::MarkerArray>(node(), "self_filter_markers", 2);
       marker_timer_ = timer(1.0 / config_.marker_rate_hz, [this] { publishMarkers(); });
     }
-    inputs_ = hearTransforms(node, *transforms_, [this] { process(); });
+    inputs_ = hearTransforms(node(), *transforms_, [this] { process(); });
     if (model) {
       inputs_.push_back(hear("joint_states", 200, &TiltScanAssembler::receiveJoints));
       inputs_.push_back(hear("attached_objects", 5, &TiltScanAssembler::receiveAttached));
@@ -169,6 +170,7 @@ class TiltScanAssembler : public DiagnosedNodelet {
       status.add("scans dropped: " + reason, count);
     }
     status.add("joint states dropped: stamped in the future", future_joints_);
+    if (!transforms_->defect().empty()) status.add("tf", transforms_->defect());
     const char* const kinds[kBeamKinds] = {"kept",        "no return", "too close", "unknown",
                                            "mixed pixel", "self",      "shadow"};
     for (std::size_t i = 0; i < kBeamKinds; ++i) {

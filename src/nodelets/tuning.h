@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "monitor_config.h"
+#include "ros/handles.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
@@ -21,11 +22,11 @@ class Tuning {
  public:
   Tuning(ros::NodeHandle private_node, CheckerConfig& config, Checker& checker)
       : private_node_(private_node), config_(config), checker_(checker) {
-    descriptions_ = private_node_.advertise<ConfigDescription>("parameter_descriptions", 1, true);
-    updates_ = private_node_.advertise<Config>("parameter_updates", 1, true);
+    descriptions_ = advertise<ConfigDescription>(private_node_, "parameter_descriptions", 1, true);
+    updates_ = advertise<Config>(private_node_, "parameter_updates", 1, true);
     descriptions_.publish(describe());
     publish();
-    service_ = private_node_.advertiseService("set_parameters", &Tuning::change, this);
+    service_ = serve(private_node_, "set_parameters", &Tuning::change, this);
   }
 
  private:

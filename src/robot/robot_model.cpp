@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/line_of.h"
 #include "config/parameter_table.h"
 #include "mesh/text.h"
 #include "robot/geometry_reader.h"
@@ -16,6 +17,7 @@ namespace {
 
 /// [m]; what is larger would be filtered out of scans with half of the surroundings.
 constexpr double kObjectReachMax = 3.0;
+constexpr std::size_t kObjectsMax = 64;    // each costs as much as a link
 constexpr std::size_t kMessageMax = 1000;  // bytes
 
 using Links = std::vector<urdf::LinkConstSharedPtr>;
@@ -161,6 +163,12 @@ UsedShapes RobotModel::shapesFor(const LinkUse& use, const LinkUseKeys& keys) co
 
 RobotModel RobotModel::holding(const std::vector<AttachedObject>& objects) const {
   RobotModel model = *this;
+  if (objects.size() > kObjectsMax) {
+    throw ConfigError(
+        lineOf("object '%.80s': it would be one of %zu, at most %zu are held at once; "
+               "detach what is not held any more",
+               objects.back().name.c_str(), objects.size(), kObjectsMax));
+  }
   for (const AttachedObject& object : objects) {
     const std::string owner = "object '" + object.name + "'";
     if (object.name.empty()) throw ConfigError(owner + ": it needs a name");

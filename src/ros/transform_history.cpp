@@ -6,13 +6,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/line_of.h"
 #include "ros/conversions.h"
+#include "ros/handles.h"
 
 namespace tccm {
 namespace {
 
 using Status = TransformHistory::Status;
 
+constexpr std::size_t kNamesMax = 2000;                  // of frames; tf2 never forgets one
 constexpr std::size_t kLongestChain = 1000;              // of frames; more is a loop
 constexpr Duration kJumpBack = std::chrono::seconds(1);  // more is time beginning anew
 // As long as tf2 keeps them.
@@ -41,6 +44,10 @@ void TransformHistory::add(const tf2_msgs::TFMessage& message, bool is_static) {
     transform.header.frame_id = withoutSlash(transform.header.frame_id);
     transform.child_frame_id = withoutSlash(transform.child_frame_id);
     normalize(transform.transform.rotation);
+    if (!knows(transform.header.frame_id) || !knows(transform.child_frame_id)) {
+      ++passed_over_;
+      continue;
+    }
     const Time stamp = toTime(transform.header.stamp);
     const auto known = frames_.find(transform.child_frame_id);
     const bool is_known = !is_static && known != frames_.end() && !known->second.stamps.empty();
@@ -58,6 +65,21 @@ void TransformHistory::add(const tf2_msgs::TFMessage& message, bool is_static) {
     if (at == stamps.begin() || *(at - 1) != stamp) stamps.insert(at, stamp);
     while (stamps.back() - stamps.front() > kKept) stamps.pop_front();
   }
+}
+
+bool TransformHistory::knows(const std::string& frame) {
+  if (names_.count(frame) > 0) return true;
+  if (names_.size() == kNamesMax) return false;
+  names_.insert(frame);
+  return true;
+}
+
+std::string TransformHistory::defect() const {
+  if (passed_over_ == 0) return "";
+  return lineOf(
+      "%zu transforms were passed over: there are more than %zu frame names; see who "
+      "publishes ever new ones on /tf",
+      passed_over_, kNamesMax);
 }
 
 void TransformHistory::clear() {
@@ -141,15 +163,16 @@ std::optional<TransformHistory::Newest> TransformHistory::newest(const std::stri
 }
 
 std::vector<ros::Subscriber> hearTransforms(ros::NodeHandle node, TransformHistory& history,
-                                            std::function<void()> heard) {
+                                            const std::function<void()>& heard) {
   const auto hear = [&](const std::string& topic, std::uint32_t queue, bool is_static) {
-    return node.subscribe<tf2_msgs::TFMessage>(
-        topic, queue,
-        [&history, heard, is_static](const tf2_msgs::TFMessage::ConstPtr& message) {
-          history.add(*message, is_static);
-          heard();
-        },
-        ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
+    return required(node.subscribe<tf2_msgs::TFMessage>(
+                        topic, queue,
+                        [&history, heard, is_static](const tf2_msgs::TFMessage::ConstPtr& message) {
+                          history.add(*message, is_static);
+                          heard();
+                        },
+                        ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()),
+                    node, topic);
   };
   return {hear("/tf", 1000, false), hear("/tf_static", 100, true)};
 }

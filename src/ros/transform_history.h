@@ -9,6 +9,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <unordered_set>
 #include <vector>
 
 #include "tccm_monitor/pose.h"
@@ -26,6 +27,9 @@ class TransformHistory {
   /// Frames may start with a slash. Transforms that tf2 refuses (NaN, no child) are passed over.
   void add(const tf2_msgs::TFMessage& message, bool is_static);
   void clear();
+  /// Why transforms were passed over, for people: of frames' names only so many are known, as tf2
+  /// never forgets one. Empty where none was.
+  [[nodiscard]] std::string defect() const;
 
   /// How a lookup ended.
   enum class Status {
@@ -66,6 +70,8 @@ class TransformHistory {
     bool is_static = false;
     std::deque<Time> stamps;  ///< ascending; none where it is static
   };
+  /// Whether a frame may be known, from now on.
+  [[nodiscard]] bool knows(const std::string& frame);
   /// Of a frame and those above it those that are not static.
   [[nodiscard]] std::vector<const Frame*> movingFrames(const std::string& frame) const;
   /// Those on the way from one to the other.
@@ -76,13 +82,15 @@ class TransformHistory {
   tf2::BufferCore buffer_;
   Duration gap_max_;
   std::map<std::string, Frame> frames_;
+  std::unordered_set<std::string> names_;
+  std::size_t passed_over_ = 0;
 };
 
 /// Feeds a history from /tf and /tf_static, in the callback queue of the node it is given: no
 /// thread of its own, so that what it feeds needs no lock. @param heard called after each message.
 [[nodiscard]] std::vector<ros::Subscriber> hearTransforms(ros::NodeHandle node,
                                                           TransformHistory& history,
-                                                          std::function<void()> heard);
+                                                          const std::function<void()>& heard);
 
 /// Without the slashes that tf1 put in front of frame names.
 [[nodiscard]] std::string withoutSlash(const std::string& frame);

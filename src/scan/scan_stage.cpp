@@ -52,11 +52,12 @@ std::vector<std::string> ScanStage::hold(const std::vector<AttachedObject>& obje
   if (!body_) return defects;
   std::vector<AttachedObject> held;
   for (const AttachedObject& object : objects) {
+    held.push_back(object);
     try {
-      static_cast<void>(bare_model_->holding({object}));
-      held.push_back(object);
+      static_cast<void>(bare_model_->holding(held));
     } catch (const ConfigError& error) {
       // The others are taken all the same: what was detached must not be filtered out any longer.
+      held.pop_back();
       defects.emplace_back(error.what());
     }
   }

@@ -185,5 +185,16 @@ TEST(RobotShapesTest, AnObjectOnAnUnknownLinkOrOfNoSizeIsRefused) {
   EXPECT_THROW((void)hold("cup", "arm", Cylinder{35.0, 50.0}), ConfigError) << "in millimetres";
 }
 
+TEST(RobotShapesTest, OnlySoManyObjectsAreHeldAtOnce) {
+  const RobotModel model(someRobot(), {});
+  std::vector<AttachedObject> objects;
+  for (int i = 0; i < 64; ++i) {
+    objects.push_back({"cup " + std::to_string(i), "base", {Sphere{0.1}, Pose::Identity()}});
+  }
+  EXPECT_NO_THROW((void)model.holding(objects));
+  objects.push_back({"one too many", "base", {Sphere{0.1}, Pose::Identity()}});
+  EXPECT_TRUE(names(test::errorOf([&] { (void)model.holding(objects); }), "one too many"));
+}
+
 }  // namespace
 }  // namespace tccm

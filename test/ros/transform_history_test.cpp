@@ -262,5 +262,20 @@ TEST_F(TransformHistoryTest, EveryStatusHasAReasonToDropAScan) {
   EXPECT_STREQ(TransformHistory::name(Status::kGap), "transform_gap");
 }
 
+TEST_F(TransformHistoryTest, EverNewNamesArePassedOverAndThoseKnownBeforeGoOn) {
+  fix("base", "arm", 0.3);
+  move("arm", "laser", 1.0, 0.0);
+  EXPECT_EQ(history_.defect(), "");
+  for (int i = 0; i < 3000; ++i) {
+    move("nobody" + std::to_string(i), "new" + std::to_string(i), 1.0, 1.0);
+  }
+  EXPECT_NE(history_.defect().find("more than 2000 frame names"), std::string::npos)
+      << history_.defect();
+  move("arm", "laser", 1.1, 0.2);
+  EXPECT_NEAR(xAt("base", "laser", 1.05), 0.4, 1e-9);
+  EXPECT_EQ(statusAt("nobody10", "new10", 1.0), Status::kFound);
+  EXPECT_EQ(statusAt("nobody2900", "new2900", 1.0), Status::kNotYet);
+}
+
 }  // namespace
 }  // namespace tccm
