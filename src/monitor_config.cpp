@@ -2,6 +2,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include "config/yaml_file.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
@@ -12,15 +13,6 @@ constexpr Range kMarkerRates{0.1, 100.0};  // [Hz]
 void requireFrame(const std::string& frame) {
   if (frame.find_first_not_of('/') == std::string::npos) {
     throw ConfigError("fixed_frame: '" + frame + "' is no frame's name");
-  }
-}
-
-YAML::Node loadFile(const std::string& path) {
-  if (path.empty()) return {};
-  try {
-    return YAML::LoadFile(path);
-  } catch (const YAML::Exception& error) {
-    throw ConfigError(path + ": " + error.what());
   }
 }
 
@@ -82,7 +74,7 @@ void TopicConfig::describe(ParameterTable& table) {
 }
 
 MonitorConfig readMonitorConfig(const std::string& path) {
-  const YAML::Node file = loadFile(path);
+  const YAML::Node file = path.empty() ? YAML::Node() : loadYamlFile(path);
   MonitorConfig config;
   if (file && !file.IsNull() && !file.IsMap()) {
     throw ConfigError(path + ": its parameters are no map of keys and values");

@@ -48,6 +48,11 @@ struct RequireRange {
     if constexpr (std::is_arithmetic_v<T>) {
       requireInRange(row.key, static_cast<double>(*member), row.range.lowest, row.range.highest);
     }
+    if constexpr (std::is_same_v<T, std::map<std::string, double>>) {
+      for (const auto& [name, value] : *member) {
+        requireInRange(row.key + "/" + name, value, row.range.lowest, row.range.highest);
+      }
+    }
   }
 };
 
@@ -120,6 +125,19 @@ ParameterTable::Names ParameterTable::load(const YAML::Node& node, const std::st
     }
   }
   return unknown;
+}
+
+std::string ParameterTable::differencesFrom(const ParameterTable& other) const {
+  std::string text;
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const std::string now = textOf(rows_[i].member), then = textOf(other.rows_[i].member);
+    if (now != then) text += "\n  " + rows_[i].key + ": " + now + "  # " + then;
+  }
+  for (const List& list : lists_) {
+    if (list.size() == 0) continue;
+    text += "\n  " + list.key + ": " + std::to_string(list.size()) + " entries  # none";
+  }
+  return text;
 }
 
 void ParameterTable::requireRanges() const {

@@ -50,6 +50,7 @@ class ParameterTable {
     std::string key;
     std::string meaning;
     std::function<std::vector<ParameterTable>(std::size_t)> resize;
+    std::function<std::size_t()> size;
   };
 
   void add(const std::string& key, Member member, const std::string& unit, Range range,
@@ -64,12 +65,13 @@ class ParameterTable {
   /// A list of small configurations, each described like this one.
   template <typename Entry>
   void addList(const std::string& key, std::vector<Entry>& entries, const std::string& meaning) {
-    lists_.push_back({key, meaning, [&entries](std::size_t size) {
-                        entries.resize(size);
-                        std::vector<ParameterTable> tables(size);
-                        for (std::size_t i = 0; i < size; ++i) entries[i].describe(tables[i]);
-                        return tables;
-                      }});
+    const auto resize = [&entries](std::size_t size) {
+      entries.resize(size);
+      std::vector<ParameterTable> tables(size);
+      for (std::size_t i = 0; i < size; ++i) entries[i].describe(tables[i]);
+      return tables;
+    };
+    lists_.push_back({key, meaning, resize, [&entries] { return entries.size(); }});
   }
 
   [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }
@@ -82,6 +84,10 @@ class ParameterTable {
   Names load(const YAML::Node& node, const std::string& owner);
   /// @throws ConfigError naming the first key whose value is out of its range.
   void requireRanges() const;
+
+  /// A line for each parameter whose value is another one there, with both; each after a line end.
+  /// @param other of the same type of configuration.
+  [[nodiscard]] std::string differencesFrom(const ParameterTable& other) const;
 
   /// A section of config/default.yaml: a line for each row, as it is now.
   [[nodiscard]] std::string yaml() const;
@@ -99,6 +105,13 @@ template <typename Config>
   ParameterTable table;
   config.describe(table);
   return table;
+}
+
+/// What of a configuration is not as by default, a line each; empty where all is.
+template <typename Config>
+[[nodiscard]] std::string differencesFromDefaults(Config config) {
+  Config defaults;
+  return tableOf(config).differencesFrom(tableOf(defaults));
 }
 
 /// Whether a configuration's values have to fit each other, beyond their ranges.

@@ -44,6 +44,7 @@ void publishValue(const ros::Publisher& publisher, Value value) {
 
 void CollisionChecker::setUp() {
   config_ = configFrom<CheckerConfig>(privateNode());
+  tellDifferences(privateNode(), config_);
   config_.checker.inputs.fixed_frame = config_.fixed_frame;
   checker_ = std::make_unique<Checker>(sharedRobotModel(node()), config_.checker);
   NODELET_INFO("Self-test passed: a cuboid in any of %zu primitives is found.",

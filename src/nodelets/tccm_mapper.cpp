@@ -29,6 +29,7 @@ class TccmMapper : public DiagnosedNodelet {
  private:
   void setUp() override {
     config_ = configFrom<MapperConfig>(privateNode());
+    tellDifferences(privateNode(), config_);
     mapper_ = std::make_unique<Mapper>(config_.mapper);
     ages_ = std::make_unique<PlaceAges>(mapper_->map());
     mapper_->reserve(snapshot_);

@@ -27,6 +27,7 @@ class TiltScanAssembler : public DiagnosedNodelet {
  private:
   void setUp() override {
     config_ = configFrom<AssemblerConfig>(privateNode());
+    tellDifferences(privateNode(), config_);
     const auto model = config_.scan.self_filter ? sharedRobotModel(node()) : nullptr;
     stage_ = std::make_unique<ScanStage>(config_.scan, model);
     transforms_ = std::make_unique<TransformHistory>(fromSeconds(config_.transform_gap_max_s));

@@ -6,6 +6,7 @@
 #include <ros/ros.h>
 
 #include <algorithm>
+#include <cmath>
 #include <type_traits>
 #include <variant>
 
@@ -84,10 +85,14 @@ class Tuning {
   }
 
   /// The configuration with what the message sets of it; numbers are brought within their ranges.
+  /// @throws ConfigError for NaN and infinity
   static CheckerConfig tuned(CheckerConfig config, const Config& message) {
     visitTunable(config, [&message](const auto& row, auto& value) {
       using T = std::remove_reference_t<decltype(value)>;
       if (!ConfigTools::getParameter(message, row.key, value)) return;
+      if (!std::isfinite(static_cast<double>(value))) {
+        requireInRange(row.key, static_cast<double>(value), row.range.lowest, row.range.highest);
+      }
       value =
           std::clamp(value, static_cast<T>(row.range.lowest), static_cast<T>(row.range.highest));
     });

@@ -2,9 +2,11 @@
 
 #include <ros/param.h>
 
+#include <fstream>
 #include <map>
 #include <mutex>
 
+#include "config/yaml_file.h"
 #include "ros/resources.h"
 #include "tccm_monitor/config_error.h"
 
@@ -73,17 +75,29 @@ YAML::Node parametersOf(const ros::NodeHandle& node) {
   return node.getParam(node.getNamespace(), value) ? toYaml(value) : YAML::Node();
 }
 
+void requireSoundFile(const ros::NodeHandle& node) {
+  std::string key, path;
+  if (!ros::param::search(node.getNamespace(), "tccm_monitor_config", key)) return;
+  if (!ros::param::get(key, path)) throw ConfigError(key + ": it is no text; it names a file");
+  if (!std::ifstream(path)) {
+    ROS_WARN("%s: it cannot be read here, and not be searched for keys given twice.", path.c_str());
+    return;
+  }
+  static_cast<void>(loadYamlFile(path));
+}
+
 std::shared_ptr<const RobotModel> sharedRobotModel(const ros::NodeHandle& node) {
   static std::mutex mutex;
   static std::map<std::string, std::weak_ptr<const RobotModel>> models;
-  const auto config =
-      configFrom<RobotModel::Config>(ros::NodeHandle(node, MonitorConfig::kRobotSection));
+  const ros::NodeHandle section(node, MonitorConfig::kRobotSection);
+  const auto config = configFrom<RobotModel::Config>(section);
   const std::string urdf = readRobotDescription(node);
   const std::lock_guard<std::mutex> lock(mutex);
   std::weak_ptr<const RobotModel>& known = models[config.text() + urdf];
   if (auto model = known.lock()) return model;
   auto model = std::make_shared<const RobotModel>(
       urdf, config, RobotResources{resourceReader(""), fitCacheFolder(), tellProgress});
+  tellDifferences(section, config);
   tellDefects(*model);
   known = model;
   return model;

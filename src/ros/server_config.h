@@ -13,16 +13,30 @@ namespace tccm {
 /// Everything under a node handle's namespace on the parameter server.
 [[nodiscard]] YAML::Node parametersOf(const ros::NodeHandle& node);
 
+/// The file that the launch file loaded says the same to whoever reads it: a key given twice is
+/// lost once it is on the parameter server. @throws ConfigError
+void requireSoundFile(const ros::NodeHandle& node);
+
 /// A configuration as the parameter server has it; warns of keys that nothing reads.
 /// @throws ConfigError
 template <typename Config>
 [[nodiscard]] Config configFrom(const ros::NodeHandle& node) {
+  requireSoundFile(node);
   Config config;
   for (const std::string& key : load(parametersOf(node), node.getNamespace(), config)) {
     ROS_WARN("%s/%s: there is no such parameter; it is ignored.", node.getNamespace().c_str(),
              key.c_str());
   }
   return config;
+}
+
+/// Logs what of a configuration differs from the defaults.
+template <typename Config>
+void tellDifferences(const ros::NodeHandle& node, const Config& config) {
+  const std::string differences = differencesFromDefaults(config);
+  ROS_INFO("%s: %s%s", node.getNamespace().c_str(),
+           differences.empty() ? "all as by default" : "not as by default (# default):",
+           differences.c_str());
 }
 
 /// The robot as all nodelets of this process see it: read once, from robot_description, searched

@@ -178,5 +178,34 @@ TEST(ParameterTableTest, DefaultsReadBackAreTheSame) {
   EXPECT_EQ(node["whole"].as<std::string>(), "2.0");
 }
 
+TEST(ParameterTableTest, ANumberInAMapHasToBeFinite) {
+  for (const char* const bad : {".nan", ".inf", "-.inf"}) {
+    std::map<std::string, double> values;
+    ParameterTable table;
+    table.add("fixed_joints", &values, "positions");
+    table.load(YAML::Load(std::string("fixed_joints: {elbow: ") + bad + ", wrist: 0.5}"), "robot");
+    const std::string error = errorOf([&table] { table.requireRanges(); });
+    EXPECT_NE(error.find("fixed_joints/elbow"), std::string::npos) << error;
+  }
+}
+
+TEST(ParameterTableTest, WhatDiffersFromTheDefaultsIsALineEach) {
+  struct SomeConfig {
+    double speed_mps = 0.25;
+    std::string frame = "base_link";
+    void describe(ParameterTable& table) {
+      table.add("speed_mps", &speed_mps, "m/s", {0.0, 1.0}, "how fast");
+      table.add("frame", &frame, "where");
+    }
+  };
+  SomeConfig config;
+  EXPECT_EQ(differencesFromDefaults(config), "");
+  config.speed_mps = 0.5;
+  EXPECT_EQ(differencesFromDefaults(config), "\n  speed_mps: 0.5  # 0.25");
+  config.frame = "torso";
+  EXPECT_EQ(differencesFromDefaults(config),
+            "\n  speed_mps: 0.5  # 0.25\n  frame: torso  # base_link");
+}
+
 }  // namespace
 }  // namespace tccm

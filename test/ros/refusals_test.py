@@ -73,6 +73,14 @@ def robot_with_mesh(folder, name, content):
     return urdf
 
 
+ALL = ("tilt_scan_assembler", "tccm_mapper", "collision_checker")
+KEY_TWICE = """collision_checker:
+  horizon_s: 0.4  # and again below
+  stop_time_s: 0.3
+  horizon_s: 0.5
+"""
+NO_NUMBER = "collision_checker:\n  horizon_s: .nan\n"
+
 CASES = {
     "no_robot": Case("", {nodelet: ["robot_description"] for nodelet in BOTH}),
     "bad_cell_size": Case(ARMS, {"tccm_mapper": ["cell_size_m: -1"]},
@@ -82,6 +90,11 @@ CASES = {
     "no_frame": Case(ARMS, {nodelet: ["fixed_frame"] for nodelet in BOTH},
                      {"tilt_scan_assembler": {"fixed_frame": "/"},
                       "collision_checker": {"fixed_frame": "/"}}),
+    "key_twice": Case(ARMS, {nodelet: ["line 4", "horizon_s", "line 2"] for nodelet in ALL},
+                      KEY_TWICE),
+    "no_number": Case(ARMS, {nodelet: ["line 2", "horizon_s", ".nan"] for nodelet in ALL},
+                      NO_NUMBER),
+    "leftover": Case(ARMS, {}),
     "missing_mesh": Case(MISSING_MESH, {nodelet: ["hand_link", MESH_URI] for nodelet in BOTH}),
     "broken_mesh": Case(lambda folder: robot_with_mesh(folder, "broken.stl", b"solid but nothing"),
                         {nodelet: ["hand_link", "broken.stl"] for nodelet in BOTH}),
@@ -105,7 +118,10 @@ class Launched:
         if case.config is not DEFAULTS:
             path = os.path.join(folder, namespace + ".yaml")
             with open(path, "w", encoding="utf-8") as file:
-                json.dump(case.config, file)  # which is YAML too
+                if isinstance(case.config, str):
+                    file.write(case.config)
+                else:
+                    json.dump(case.config, file)  # which is YAML too
             command.append(f"config:={path}")
         # A folder of its own for the fits that are kept.
         environment = dict(os.environ, ROS_NAMESPACE="/" + namespace, ROS_HOME=folder)
@@ -136,6 +152,9 @@ class RefusalsTest(NamedSubTests):
     def setUpClass(cls):
         cls.recorders = {namespace: Recorder(f"/{namespace}/") for namespace in CASES}
         folder = tempfile.mkdtemp()
+        # As an earlier launch may have left it there.
+        rospy.set_param("/leftover/collision_checker", {"horizon_s": "soon"})
+        rospy.set_param("/leftover/monitored_robot", {"monitored_links": ["nowhere"]})
         cls.launched = {namespace: Launched(namespace, case, folder)
                         for namespace, case in CASES.items()}
         try:
@@ -213,6 +232,15 @@ class RefusalsTest(NamedSubTests):
     def test_the_defaults_start_and_stop_for_want_of_input(self):
         last = self.recorders["defaults"].statuses[-1]
         self.assertEqual((last.level, last.stop), (MonitorStatus.FAULT, True))
+
+    def test_what_differs_from_the_defaults_is_said(self):
+        said = self.launched["wrong_frame"].console
+        self.assertIn("  fixed_frame: nowhere  # base_link", said)
+        self.assertEqual(len(self.said("defaults", "collision_checker: all as by default")), 1)
+
+    def test_what_an_earlier_launch_left_does_not_count(self):
+        self.assertEqual(self.said("leftover", "[FATAL]"), [])
+        self.assertGreater(len(self.recorders["leftover"].statuses), STATUSES)
 
     def test_a_robot_with_a_mesh_starts_and_keeps_the_fit(self):
         last = self.recorders["mesh"].statuses[-1]

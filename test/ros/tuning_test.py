@@ -62,6 +62,17 @@ class TuningTest(unittest.TestCase):
         answer = self.client.update_configuration({"primitive_scale": 100.0})
         self.assertEqual(answer["primitive_scale"], self.described["primitive_scale"]["max"])
 
+    def test_what_is_no_finite_number_changes_nothing_at_all(self):
+        numbers = [name for name, parameter in self.described.items()
+                   if parameter["type"] == "double"]
+        self.assertIn("check_time_max_periods", numbers)
+        for name in numbers:
+            for value in (float("nan"), float("inf"), float("-inf")):
+                with self.subTest(name=name, value=value):
+                    answer = self.client.update_configuration({"release_checks": 9, name: value})
+                    for other in self.described:
+                        self.assertEqual(answer[other], self.defaults[other], other)
+
     def test_what_is_not_safe_changes_nothing_at_all(self):
         for unsafe in ({"collision_padding_m": 0.0}, {"stop_time_s": 0.0}, {SWITCHED_OFF: False}):
             with self.subTest(unsafe=unsafe):
