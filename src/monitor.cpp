@@ -31,6 +31,7 @@ struct Monitor::Parts {
   PlaceAges ages;
   std::unique_ptr<Checker> checker;
   ScanReturns returns;
+  ScanReport assembled{{}, ScanReport::Outcome::kAssembled};  ///< reused
   std::array<std::shared_ptr<CuboidMap>, 2> maps;  ///< the checker holds one while the other fills
   std::size_t newest = 0;
 };
@@ -60,8 +61,8 @@ void Monitor::scanArrived(Time now, Time stamp) {
   if (hasRobot()) checker().addScanReport(now, {stamp, ScanReport::Outcome::kWaiting});
 }
 
-void Monitor::scanDropped(Time now, Time stamp, const std::string& reason) {
-  if (hasRobot()) checker().addScanReport(now, {stamp, ScanReport::Outcome::kDropped, reason});
+void Monitor::scanDropped(Time now, const ScanReport& report) {
+  if (hasRobot()) checker().addScanReport(now, report);
 }
 
 void Monitor::reset() {
@@ -74,7 +75,7 @@ void Monitor::reset() {
 Monitor::ScanOutcome Monitor::addScan(Time now, const LaserScan& scan,
                                       const PosePath& T_fixed_sensor,
                                       const std::vector<PosePath>& T_fixed_roots) {
-  auto& [stage, mapper, ages, checker, returns, maps, newest] = *parts_;
+  auto& [stage, mapper, ages, checker, returns, assembled, maps, newest] = *parts_;
   ScanOutcome outcome;
   Stopwatch stopwatch;
   outcome.dropped = stage.assemble(scan, T_fixed_sensor, T_fixed_roots);
@@ -88,10 +89,12 @@ Monitor::ScanOutcome Monitor::addScan(Time now, const LaserScan& scan,
     outcome.integrate_us = stopwatch.lapMicroseconds();
   }
   if (!outcome.dropped.empty()) {
-    scanDropped(now, scan.stamp, outcome.dropped);
+    scanDropped(now, {scan.stamp, ScanReport::Outcome::kDropped, outcome.dropped});
     return outcome;
   }
-  if (checker) checker->addScanReport(now, {scan.stamp, ScanReport::Outcome::kAssembled});
+  assembled.stamp = scan.stamp;
+  assembled.self_link = stage.selfLink();
+  if (checker) checker->addScanReport(now, assembled);
   parts_->publishMap(now);
   outcome.snapshot_us = stopwatch.lapMicroseconds();
   ages.follow(mapper.map(), mapper.looks());

@@ -23,8 +23,8 @@ Evaluation::Evaluation(const MonitorConfig& settings, std::shared_ptr<const Robo
       transforms_(fromSeconds(settings.assembler.transform_gap_max_s)),
       source_(settings.assembler, monitor_.body() ? root_frames_ : std::vector<std::string>(),
               transforms_) {
-  source_.onDrop([this](Time stamp, const std::string& reason) {
-    if (now_) monitor_.scanDropped(*now_, stamp, reason);
+  source_.onDrop([this](const ScanReport& report) {
+    if (now_) monitor_.scanDropped(*now_, report);
   });
 }
 
@@ -32,8 +32,7 @@ void Evaluation::add(const sensor_msgs::LaserScan& message, const std::string& p
   moveClock(toTime(message.header.stamp), publisher);
   ++totals_.scans_received;
   monitor_.scanArrived(*now_, toTime(message.header.stamp));
-  // What is malformed is counted there.
-  static_cast<void>(source_.add(fromMessage(message), message.header.frame_id, *now_));
+  source_.add(fromMessage(message), message.header.frame_id, *now_);
   mapReady();
 }
 

@@ -50,7 +50,7 @@ class Monitor {
   /// A scan came in, and waits for transforms.
   void scanArrived(Time now, Time stamp);
   /// A scan that came in will not be handed over. @param reason why.
-  void scanDropped(Time now, Time stamp, const std::string& reason);
+  void scanDropped(Time now, const ScanReport& report);
   /// @param now when it is processed, by the clock of the stamps.
   /// @param T_fixed_sensor the sensor's poses over the scan. @param T_fixed_roots one for each of
   /// the model's roots, where a robot is filtered out.

@@ -35,7 +35,8 @@ enum class Reason : std::uint8_t {
   kNoMap,              ///< no scan for too long
   kMapLate,            ///< scans come, but what is in the map is too old
   kSweepIncomplete,    ///< the tilt stands still, or turns too late or too early
-  kBlind,              ///< scans come, but hardly a beam measures anything
+  kBlind,              ///< hardly a beam measures anything, or nearly all is taken for the robot
+  kFrameChanged,       ///< scans of another frame come on the same topic
   kNoJoints,           ///< a joint was never heard of, or not for too long
   kNoTransform,        ///< the pose of the robot's root or of the sensor is unknown or too old
   kJointOutOfRange,    ///< a joint is said to be where, or as fast as, no such joint is
@@ -171,6 +172,9 @@ struct ScanReport {
   Time stamp;
   Outcome outcome = Outcome::kWaiting;
   std::string dropped = {};  ///< why: blind, future_stamp, no_transform ...
+  std::string detail = {};   ///< the same for people, with names and figures
+  /// Of ASSEMBLED: the link that most returns were lately taken for; empty where none were.
+  std::string self_link = {};
 };
 
 /// For a while a link may touch what lies in a region: to grasp, to dock.

@@ -2,13 +2,23 @@
 
 #include <algorithm>
 
+#include "base/duration_text.h"
 #include "base/line_of.h"
 
 namespace tccm {
 namespace {
 
+constexpr const char* kFrameChanged = "frame_changed";
+constexpr Duration kFrameChangeLasts = std::chrono::seconds(2);
+
 std::string ageText(const std::string& what, Duration age) {
-  return lineOf("%.150s %.0f ms", what.c_str(), 1e3 * toSeconds(age));
+  return what + " " + durationText(age);
+}
+
+/// What the sweep takes, for people: 0.02 s is no tilt.
+std::string periodText(const CuboidMap& map) {
+  if (map.look_period <= Duration::zero()) return "";
+  return ", which takes " + durationText(map.look_period);
 }
 
 std::string neverPublished(const std::vector<std::string>& joints) {
@@ -47,6 +57,10 @@ void CheckInputs::Config::describe(ParameterTable& table) {
             "without a new map, in measured scan periods");
   table.add("map_age_max_s", &map_age_max_s, "s", {0.001, 10.0},
             "from the newest scan's stamp to the check");
+  table.add(
+      "self_filter_fraction_max", &self_filter_fraction_max, "", {0.1, 1.0},
+      "share of the returns inside the area that may be taken for the robot, over a period of "
+      "the tilt, where 50 a scan or more lie inside; above it the sensor is blind");
   table.add("future_max_s", &future_max_s, "s", {0.0, 10.0},
             "a scan or joint state may lead the check by this");
   table.add("transform_future_max_s", &transform_future_max_s, "s", {0.0, 10.0},
@@ -87,7 +101,12 @@ void CheckInputs::addScanReport(Time now, const ScanReport& report) {
   using Outcome = ScanReport::Outcome;
   if (report.outcome == Outcome::kWaiting) report_arrival_ = now;
   if (report.outcome == Outcome::kAssembled) assembled_ = now;
-  if (report.outcome != Outcome::kWaiting) dropped_ = report.dropped;
+  if (report.outcome == Outcome::kWaiting) return;
+  last_report_ = report;
+  if (report.outcome == Outcome::kAssembled) self_link_ = report.self_link;
+  if (report.dropped != kFrameChanged) return;
+  frame_changed_ = now;
+  frame_change_ = report.detail;
 }
 
 void CheckInputs::setMap(Time now, std::shared_ptr<const CuboidMap> map) {
@@ -99,8 +118,10 @@ void CheckInputs::setMap(Time now, std::shared_ptr<const CuboidMap> map) {
                              0.1 * std::min(period, config_.scan_timeout_periods * *scan_period_s_)
                        : period;
   }
+  // The same map again is no news of the sensor; what it was told to forget may be.
+  const bool is_news = !map_ || map->stamp != map_->stamp || map->serial != map_->serial;
   map_ = std::move(map);
-  map_arrival_ = now;
+  if (is_news) map_arrival_ = now;
 }
 
 void CheckInputs::reset() {
@@ -109,7 +130,8 @@ void CheckInputs::reset() {
   scan_period_s_.reset();
   report_arrival_.reset();
   assembled_.reset();
-  dropped_.clear();
+  last_report_ = {};
+  frame_changed_.reset();
   started_.reset();
   future_joint_.reset();
   std::fill(roots_.begin(), roots_.end(), std::nullopt);
@@ -145,7 +167,19 @@ Cause CheckInputs::jointsCause(Time now) {
     return {Reason::kFuture, ageText("a joint state is stamped in the future, by", lead)};
   }
   if (fresh) return {};
-  return {Reason::kNoJoints, ageText("a joint was not heard of for", now - joints->oldest)};
+  return {Reason::kNoJoints, silentJointText(now, *joints)};
+}
+
+std::string CheckInputs::silentJointText(Time now, const JointSnapshot& joints) const {
+  if (joints.oldest == Time()) return "joint states are stamped 0: see who publishes them so";
+  const Duration timeout = fromSeconds(config_.joint_timeout_s);
+  if (now - joints.newest > timeout) {
+    return ageText("no joint was heard of for", now - joints.newest) + ", at most " +
+           durationText(timeout) + " (joint_timeout_s)";
+  }
+  const std::string& name = model_->variables()[joints.oldest_joint].name;
+  return ageText("joint '" + name + "' was not heard of for", now - joints.oldest) + ", at most " +
+         durationText(timeout) + " (joint_timeout_s)";
 }
 
 Cause CheckInputs::rootCause(Time now, std::size_t index) const {
@@ -185,8 +219,10 @@ Cause CheckInputs::silenceCause(Time now) const {
   }
   const Duration silence = now - (map_ ? map_arrival_ : *started_);
   if (!report_arrival_) return {Reason::kNoMap, ageText("no scan was mapped for", silence)};
-  if (!dropped_.empty()) {
-    return {reasonOf(dropped_), ageText("scans are dropped (" + dropped_ + ") for", silence)};
+  const std::string &dropped = last_report_.dropped, &detail = last_report_.detail;
+  if (!dropped.empty()) {
+    return {reasonOf(dropped), ageText("scans are dropped (" + dropped + ") for", silence) +
+                                   (detail.empty() ? "" : ": " + detail)};
   }
   return {Reason::kNoMap, ageText("scans come, but none was mapped for", silence)};
 }
@@ -201,7 +237,8 @@ Cause CheckInputs::mapCause(Time now) {
     return {Reason::kFuture, ageText("the newest scan is stamped in the future, by", -age)};
   }
   // Scans that wait for transforms may wait as long as these may be missing; blind ones may not.
-  const bool lacks_transforms = dropped_.empty() || reasonOf(dropped_) == Reason::kNoTransform;
+  const std::string& dropped = last_report_.dropped;
+  const bool lacks_transforms = dropped.empty() || reasonOf(dropped) == Reason::kNoTransform;
   const bool waits = scansCome(now) && lacks_transforms &&
                      !(assembled_ && *assembled_ - map_arrival_ > silenceMax());
   if (now - map_arrival_ > silenceMax() && !waits) return silenceCause(now);
@@ -217,7 +254,9 @@ Cause CheckInputs::mapCause(Time now) {
   if (map_->tilt_stopped) {
     return {Reason::kSweepIncomplete, "the sensor's tilt stands still, or does not turn in time"};
   }
-  if (!map_->complete) return {Reason::kInit, "the map does not hold a whole sweep yet"};
+  if (!map_->complete) {
+    return {Reason::kInit, "the map does not hold a whole sweep yet" + periodText(*map_)};
+  }
   return {};
 }
 
@@ -234,8 +273,25 @@ void CheckInputs::appendRobotCauses(Time now, std::vector<Cause>& causes) {
   for (std::size_t root = 0; root < roots_.size(); ++root) append(rootCause(now, root), causes);
 }
 
+void CheckInputs::appendSensorCauses(Time now, std::vector<Cause>& causes) const {
+  if (frame_changed_ && now - *frame_changed_ <= kFrameChangeLasts) {
+    causes.emplace_back(Reason::kFrameChanged, frame_change_);
+  }
+  if (map_ && map_->self_share > config_.self_filter_fraction_max) {
+    causes.emplace_back(
+        Reason::kBlind,
+        lineOf("the self filter takes %.0f %% of what lies inside the area, at most %.0f %% are "
+               "believed (self_filter_fraction_max); most of it for '%.100s': see whether it is "
+               "described too large",
+               100.0 * map_->self_share, 100.0 * config_.self_filter_fraction_max,
+               self_link_.c_str()),
+        self_link_);
+  }
+}
+
 void CheckInputs::appendCauses(Time now, std::vector<Cause>& causes) {
   appendRobotCauses(now, causes);
+  appendSensorCauses(now, causes);
   append(mapCause(now), causes);
   append(outside_, causes);
 }

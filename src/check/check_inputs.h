@@ -23,6 +23,7 @@ class CheckInputs {
     double transform_timeout_s = 0.5;
     double scan_timeout_periods = 3.0;
     double map_age_max_s = 0.5;
+    double self_filter_fraction_max = 0.9;
     double future_max_s = 0.1;
     double transform_future_max_s = 0.5;
 
@@ -76,8 +77,11 @@ class CheckInputs {
   /// What of it keeps the robot from being placed.
   void appendRobotCauses(Time now, std::vector<Cause>& causes);
   [[nodiscard]] Cause jointsCause(Time now);
+  [[nodiscard]] std::string silentJointText(Time now, const JointSnapshot& joints) const;
   [[nodiscard]] Cause rootCause(Time now, std::size_t root) const;
   [[nodiscard]] Cause mapCause(Time now);
+  /// What the scans say that cannot be.
+  void appendSensorCauses(Time now, std::vector<Cause>& causes) const;
   /// No new map for too long: why.
   [[nodiscard]] Cause silenceCause(Time now) const;
   [[nodiscard]] bool within(Time now, double seconds) const;
@@ -94,7 +98,10 @@ class CheckInputs {
   std::optional<double> scan_period_s_;  ///< the mean of the recent ones
   std::optional<Time> report_arrival_;   ///< the last that a scan came in
   std::optional<Time> assembled_;        ///< when the last scan was
-  std::string dropped_;                  ///< why the last that was not assembled was dropped
+  ScanReport last_report_;               ///< of the last scan that was assembled or dropped
+  std::optional<Time> frame_changed_;    ///< when a scan of another frame came last
+  std::string frame_change_;             ///< between which frames
+  std::string self_link_;                ///< the link that most returns are taken for
   std::optional<Time> started_;          ///< the first check
   std::size_t future_joints_ = 0;
   std::optional<Time> future_joint_;  ///< when the last of them came

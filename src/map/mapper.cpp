@@ -121,6 +121,8 @@ void Mapper::Config::describe(ParameterTable& table) {
   table.add("window_tilt_periods", &window_tilt_periods, "periods", {1.0, 10.0},
             "the window's length where neither is set; the period is measured");
   tilt.describe(table);
+  table.add("tilt_period_min_s", &tilt_period_min_s, "s", {0.0, 60.0},
+            "no tilt turns to and fro in less: where it seems to, the map is not complete");
   table.add("scan_gap_max_s", &scan_gap_max_s, "s", {0.001, 600.0},
             "after a longer gap the window has to fill again");
   table.add("time_jump_back_s", &time_jump_back_s, "s", {0.0, 600.0},
@@ -141,6 +143,7 @@ Mapper::Mapper(const Config& config)
       map_(config.map),
       looks_(config.looks),
       hold_(config.hold, map_),
+      self_share_(config.map.scans_max),
       tilt_(config.tilt) {}
 
 Mapper::Outcome Mapper::add(const ScanReturns& scan) {
@@ -157,6 +160,7 @@ Mapper::Outcome Mapper::add(const ScanReturns& scan) {
   if (map_.scans() == config_.map.scans_max) expireOldest();
   const auto added = map_.add(scan.stamp, scan.points);
   looks_.add(scan.stamp, scan.looks);
+  countSelf(scan);
   hold_.follow(scan, map_, looks_.image());
   expire();
   hold_.sort();
@@ -167,6 +171,7 @@ void Mapper::clear() {
   map_.clear();
   looks_.clear();
   hold_.clear();
+  self_share_.clear();
   tilt_.reset();
   last_period_.reset();
   tilt_stopped_ = false;
@@ -183,6 +188,16 @@ void Mapper::followTilt(Time stamp, double tilt) {
   // How long it stood is no period of the tilt. Whether it goes on is known after a whole one.
   tilt_.reset();
   unbroken_since_ = stamp;
+}
+
+void Mapper::countSelf(const ScanReturns& scan) {
+  const auto lies_inside = [this](const Vector3& p) { return map_.grid().place(p).has_value(); };
+  std::size_t self = 0;
+  for (const Look& look : scan.looks) {
+    if (look.what == Seen::kRobot && lies_inside(look.end)) ++self;
+  }
+  const auto others = std::count_if(scan.points.begin(), scan.points.end(), lies_inside);
+  self_share_.add(scan.stamp, self, static_cast<std::size_t>(others), lookPeriod());
 }
 
 std::optional<Duration> Mapper::window() const {
@@ -218,7 +233,7 @@ std::size_t Mapper::forget(const Region& region, Time until) {
 }
 
 bool Mapper::complete() const {
-  if (!newest_) return false;
+  if (!newest_ || tiltTooFast()) return false;
   const Time oldest = map_.oldestStamp();
   if (oldest < unbroken_since_) return false;
   if (config_.window_scans > 0) {
@@ -241,6 +256,7 @@ void Mapper::snapshot(CuboidMap& map) const {
   map.overflowed = map.overflowed || hold_.overflowed(map_);
   map.tilt_stopped = tilt_stopped_;
   map.look_period = lookPeriod();
+  map.self_share = self_share_.share();
   map.looks.copyFrom(looks_.image());
   map.viewpoint = viewpoint_;
   map.window = map_.scans() > 0 ? *newest_ - map_.oldestStamp() : Duration::zero();

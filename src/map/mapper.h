@@ -9,6 +9,7 @@
 #include "config/parameter_table.h"
 #include "map/held_layer.h"
 #include "map/integration_map.h"
+#include "map/self_share.h"
 #include "map/tilt_period.h"
 #include "sight/look_map.h"
 #include "sight/newest_looks.h"
@@ -81,6 +82,7 @@ class Mapper {
     /// A place at a turning point is seen again only after a whole period (the paper's 3/4 are too
     /// short).
     double window_tilt_periods = 1.1;
+    double tilt_period_min_s = 0.3;
     double scan_gap_max_s = 0.25;
     double time_jump_back_s = 0.1;  ///< time began anew, as when a recording is played again
     LookMap::Config looks;
@@ -122,14 +124,20 @@ class Mapper {
   /// The length of the window; nothing while the tilt period is not measured.
   [[nodiscard]] std::optional<Duration> window() const;
   [[nodiscard]] std::optional<Duration> tiltPeriod() const { return tilt_.period(); }
+  /// Whether the tilt seems to turn more often than any tilt does: what is measured is not one.
+  [[nodiscard]] bool tiltTooFast() const {
+    return tilt_.period() && *tilt_.period() < fromSeconds(config_.tilt_period_min_s);
+  }
   [[nodiscard]] std::size_t memoryBytes() const {
-    return map_.memoryBytes() + looks_.memoryBytes() + hold_.memoryBytes();
+    return map_.memoryBytes() + looks_.memoryBytes() + hold_.memoryBytes() +
+           self_share_.memoryBytes();
   }
 
  private:
   [[nodiscard]] bool complete() const;
   [[nodiscard]] Duration lookPeriod() const;
   void followTilt(Time stamp, double tilt);
+  void countSelf(const ScanReturns& scan);
   void expire();
   void expireOldest() { hold_.expireOldest(map_, looks_.image(), *newest_); }
 
@@ -137,6 +145,7 @@ class Mapper {
   IntegrationMap map_;
   LookMap looks_;
   Hold hold_;
+  SelfShare self_share_;
   TiltPeriod tilt_;
   std::optional<Duration> last_period_;  ///< of the tilt, also where it has stopped since
   bool tilt_stopped_ = false;            ///< and has not made a whole period again

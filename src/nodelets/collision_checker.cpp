@@ -24,12 +24,16 @@ constexpr double kLatencyMax = 0.2;  // [s] by which margins grow; a slower mach
 constexpr std::size_t kDropReasonsMax = 20;  // the assembler has fewer; others may publish as well
 constexpr double kLatencyForgotten = 0.99;   // kept of the longest latency at each new map
 
-ScanReport fromMessage(const tccm_monitor::ScanReport& message) {
+/// @param report reused: nothing is allocated after a while.
+void fromMessage(const tccm_monitor::ScanReport& message, ScanReport& report) {
   using Outcome = ScanReport::Outcome;
-  Outcome outcome = Outcome::kDropped;
-  if (message.outcome == tccm_monitor::ScanReport::WAITING) outcome = Outcome::kWaiting;
-  if (message.outcome == tccm_monitor::ScanReport::ASSEMBLED) outcome = Outcome::kAssembled;
-  return {toTime(message.header.stamp), outcome, message.dropped};
+  report.stamp = toTime(message.header.stamp);
+  report.outcome = Outcome::kDropped;
+  if (message.outcome == tccm_monitor::ScanReport::WAITING) report.outcome = Outcome::kWaiting;
+  if (message.outcome == tccm_monitor::ScanReport::ASSEMBLED) report.outcome = Outcome::kAssembled;
+  report.dropped = message.dropped;
+  report.detail = message.detail;
+  report.self_link = message.self_link;
 }
 
 /// A std_msgs/Bool or Float64.
@@ -110,11 +114,11 @@ void CollisionChecker::receiveMap(const tccm_monitor::CuboidMap::ConstPtr& messa
 }
 
 void CollisionChecker::receiveReport(const tccm_monitor::ScanReport::ConstPtr& message) {
-  const ScanReport report = fromMessage(*message);
-  if (report.outcome == ScanReport::Outcome::kWaiting) scan_rate_->tick(message->header.stamp);
-  if (report.outcome == ScanReport::Outcome::kDropped) countDrop(report.dropped);
-  if (report.outcome == ScanReport::Outcome::kAssembled) assembled_ = *message;
-  checker_->addScanReport(toTime(ros::Time::now()), report);
+  fromMessage(*message, report_);
+  if (report_.outcome == ScanReport::Outcome::kWaiting) scan_rate_->tick(message->header.stamp);
+  if (report_.outcome == ScanReport::Outcome::kDropped) countDrop(report_.dropped);
+  if (report_.outcome == ScanReport::Outcome::kAssembled) assembled_ = *message;
+  checker_->addScanReport(toTime(ros::Time::now()), report_);
 }
 
 void CollisionChecker::countDrop(const std::string& reason) {

@@ -91,6 +91,7 @@ class CollisionChecker : public DiagnosedNodelet {
   tccm_monitor::CuboidMap::ConstPtr map_message_;  ///< of the newest map
   std::size_t maps_dropped_ = 0;
   std::string map_defect_;
+  ScanReport report_;                   ///< the newest, reused
   tccm_monitor::ScanReport assembled_;  ///< the newest report of a scan that was assembled
   std::map<std::string, std::size_t> scans_dropped_;
   ros::Publisher permission_publisher_, stop_publisher_, collision_publisher_, occlusion_publisher_,

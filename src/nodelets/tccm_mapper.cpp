@@ -132,6 +132,10 @@ class TccmMapper : public DiagnosedNodelet {
       status.summary(DiagnosticStatus::ERROR, "window_scans_max is too small for the window");
     } else if (snapshot_.tilt_stopped) {
       status.summary(DiagnosticStatus::ERROR, "the tilt stands still, or does not go as far");
+    } else if (mapper_->tiltTooFast()) {
+      status.summary(DiagnosticStatus::ERROR,
+                     "the tilt seems to turn more often than tilt_period_min_s: see whether one "
+                     "sensor alone publishes on the scans' topic");
     } else if (!snapshot_.complete) {
       status.summary(DiagnosticStatus::WARN, "the map does not hold a whole window yet");
     } else {
@@ -145,6 +149,7 @@ class TccmMapper : public DiagnosedNodelet {
     status.add("cuboids", snapshot_.cuboids.size());
     status.add("window [scans]", mapper_->map().scans());
     const auto tilt = mapper_->tiltPeriod();
+    status.add("share taken for the robot", snapshot_.self_share);
     status.add("tilt period [s]", tilt ? std::to_string(toSeconds(*tilt)) : "not measured yet");
     status.add("held intervals", mapper_->held());
     status.add("memory [bytes]", mapper_->memoryBytes() + ages_->memoryBytes());

@@ -33,7 +33,7 @@ class TiltScanAssembler : public DiagnosedNodelet {
     transforms_ = std::make_unique<TransformHistory>(fromSeconds(config_.transform_gap_max_s));
     source_ = std::make_unique<ScanSource>(
         config_, model ? model->rootLinks() : std::vector<std::string>(), *transforms_);
-    source_->onDrop([this](Time stamp, const std::string& reason) { drop(stamp, reason); });
+    source_->onDrop([this](const ScanReport& report) { drop(report); });
     cloud_publisher_ = advertise<sensor_msgs::PointCloud2>(node(), "scan_cloud", 10);
     report_publisher_ = advertise<tccm_monitor::ScanReport>(node(), "scan_report", 50);
     if (model) {
@@ -56,9 +56,7 @@ class TiltScanAssembler : public DiagnosedNodelet {
     arrived.header = message->header;
     arrived.outcome = tccm_monitor::ScanReport::WAITING;
     report(arrived);
-    const std::string defect =
-        source_->add(fromMessage(*message), message->header.frame_id, toTime(last_scan_));
-    if (!defect.empty()) NODELET_WARN_THROTTLE(5.0, "A scan was dropped: %s.", defect.c_str());
+    source_->add(fromMessage(*message), message->header.frame_id, toTime(last_scan_));
     process();
   }
 
@@ -95,46 +93,47 @@ class TiltScanAssembler : public DiagnosedNodelet {
     const ros::WallTime ready_wall = ros::WallTime::now();
     const std::string dropped =
         stage_->assemble(ready.scan, ready.T_fixed_sensor, ready.T_fixed_roots);
-    if (!dropped.empty()) return source_->countDrop(ready.scan.stamp, dropped);
+    if (!dropped.empty()) return source_->countDrop(ready.scan.stamp, dropped, "");
     const BeamCounts counts = stage_->scan().counts();
     for (std::size_t i = 0; i < kBeamKinds; ++i) beams_[i] += counts[i];
     ++assembled_;
-    tccm_monitor::ScanReport assembled = reportOf(counts, ready.scan.ranges.size());
-    assembled.header.stamp = toRos(ready.scan.stamp);
-    assembled.ready_wall = ros::Time(ready_wall.sec, ready_wall.nsec);
-    assembled.transform_wait_s = static_cast<float>(toSeconds(toTime(now) - ready.arrival));
-    report(assembled);
+    fill(counts, ready.scan.ranges.size(), assembled_report_);
+    assembled_report_.header.stamp = toRos(ready.scan.stamp);
+    assembled_report_.ready_wall = ros::Time(ready_wall.sec, ready_wall.nsec);
+    assembled_report_.transform_wait_s = static_cast<float>(toSeconds(toTime(now) - ready.arrival));
+    assembled_report_.self_link = stage_->selfLink();
+    report(assembled_report_);
     const auto cloud = clouds_.take();
     toMessage(stage_->scan(), withoutSlash(config_.fixed_frame), *cloud);
     cloud_publisher_.publish(sensor_msgs::PointCloud2::ConstPtr(cloud));
   }
 
-  static tccm_monitor::ScanReport reportOf(const BeamCounts& counts, std::size_t beams) {
+  static void fill(const BeamCounts& counts, std::size_t beams, tccm_monitor::ScanReport& report) {
     const auto at = [&counts](BeamKind kind) {
       return static_cast<float>(counts[static_cast<std::size_t>(kind)]);
     };
     const float removed = at(BeamKind::kMixedPixel) + at(BeamKind::kSelf) + at(BeamKind::kShadow);
     const float returns = at(BeamKind::kReturn) + removed;
-    tccm_monitor::ScanReport report;
     report.outcome = tccm_monitor::ScanReport::ASSEMBLED;
     report.measured_fraction =
         (returns + at(BeamKind::kNoReturn)) / std::max(1.0F, static_cast<float>(beams));
     report.removed_fraction = returns > 0.0F ? removed / returns : 0.0F;
-    return report;
   }
 
-  void drop(Time stamp, const std::string& reason) {
+  void drop(const ScanReport& what) {
     tccm_monitor::ScanReport dropped;
-    dropped.header.stamp = toRos(stamp);
+    dropped.header.stamp = toRos(what.stamp);
     dropped.outcome = tccm_monitor::ScanReport::DROPPED;
-    dropped.dropped = reason;
+    dropped.dropped = what.dropped;
+    dropped.detail = what.detail;
     report(dropped);
     std::string counts;
     for (const auto& [why, count] : source_->dropped()) {
       counts += " " + why + " " + std::to_string(count);
     }
-    NODELET_WARN_THROTTLE(5.0, "Scans dropped so far:%s (fixed_frame '%s').", counts.c_str(),
-                          config_.fixed_frame.c_str());
+    NODELET_WARN_THROTTLE(5.0, "A scan was dropped: %s. So far:%s.",
+                          (what.detail.empty() ? what.dropped : what.detail).c_str(),
+                          counts.c_str());
   }
 
   void report(const tccm_monitor::ScanReport& report) {
@@ -184,6 +183,7 @@ class TiltScanAssembler : public DiagnosedNodelet {
   std::unique_ptr<TransformHistory> transforms_;
   std::unique_ptr<ScanSource> source_;
   MessagePool<tccm_monitor::ScanReport> reports_;
+  tccm_monitor::ScanReport assembled_report_;  ///< reused
   MessagePool<sensor_msgs::PointCloud2> clouds_;
   std::size_t received_ = 0;
   std::size_t assembled_ = 0;

@@ -43,6 +43,10 @@ class BodySampler {
   [[nodiscard]] std::string sample(Time first, Time last,
                                    const std::vector<PosePath>& T_fixed_roots);
   [[nodiscard]] const std::vector<BodySample>& samples() const { return samples_; }
+  /// The link, by the model's order, that a sample's shape belongs to or is held by.
+  [[nodiscard]] std::size_t linkOf(std::size_t shape) const {
+    return model_->shapes()[used_.shapes[shape]].link;
+  }
 
  private:
   /// Fills roots_. @return false where one is not known at that time.

@@ -298,8 +298,10 @@ const JointSnapshot* JointStates::latest() {
   const auto isMissing = [](const JointTrack& track) { return track.size() == 0; };
   if (!last_message_ || std::any_of(tracks_.begin(), tracks_.end(), isMissing)) return nullptr;
   snapshot_.oldest = snapshot_.newest = *last_message_;
+  snapshot_.oldest_joint = 0;
   snapshot_.contrary_velocities.clear();
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    if (tracks_[i].newest(0).stamp < snapshot_.oldest) snapshot_.oldest_joint = i;
     snapshot_.oldest = std::min(snapshot_.oldest, tracks_[i].newest(0).stamp);
     snapshot_.newest = std::max(snapshot_.newest, tracks_[i].newest(0).stamp);
     snapshot_.positions[i] = tracks_[i].newest(0).position;

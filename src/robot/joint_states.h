@@ -19,6 +19,7 @@ namespace tccm {
 /// What the last joint states say of every variable at once.
 struct JointSnapshot {
   Time oldest;                    ///< stamp of the joint heard of least recently
+  std::size_t oldest_joint = 0;   ///< that joint
   Time newest;                    ///< stamp of the joint heard of last
   std::vector<double> positions;  ///< [rad] or [m]
   /// Per second: the larger of the reported and the differentiated.

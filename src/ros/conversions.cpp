@@ -84,6 +84,7 @@ LaserScan fromMessage(const sensor_msgs::LaserScan& message) {
   scan.stamp = toTime(message.header.stamp);
   scan.angle_min = message.angle_min;
   scan.angle_increment = message.angle_increment;
+  scan.angle_max = message.angle_max;
   // Not finite or absurd: negative, which defectOf() refuses.
   scan.time_increment =
       std::abs(message.time_increment) <= 1.0F ? fromSeconds(message.time_increment) : Duration(-1);

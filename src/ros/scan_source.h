@@ -8,12 +8,14 @@
 #include <utility>
 #include <vector>
 
+#include "base/duration_text.h"
 #include "monitor_config.h"
 #include "robot/joint_states.h"
 #include "ros/transform_history.h"
 #include "scan/assembled_scan.h"
 #include "tccm_monitor/laser_scan.h"
 #include "tccm_monitor/pose.h"
+#include "tccm_monitor/verdict.h"
 
 namespace tccm {
 
@@ -39,29 +41,34 @@ class ScanSource {
     std::vector<PosePath> T_fixed_roots;
   };
 
-  /// Called for each scan that is dropped, with its stamp and the reason.
-  void onDrop(std::function<void(Time, const std::string&)> told) { told_ = std::move(told); }
+  /// Called for each scan that is dropped.
+  void onDrop(std::function<void(const ScanReport&)> told) { told_ = std::move(told); }
 
-  /// A scan that cannot be projected at all, or is stamped in the future, is dropped here.
-  /// @return empty, or what is wrong with it.
-  std::string add(LaserScan scan, const std::string& frame, Time arrival) {
-    std::string defect = defectOf(scan, config_.scan.assembler.scan_beams_max);
-    if (!defect.empty()) {
-      countDrop(scan.stamp, "malformed");
-      return defect;
+  /// A scan that cannot be projected at all, is stamped in the future or has another frame than the
+  /// one before is dropped here.
+  void add(LaserScan scan, const std::string& frame, Time arrival) {
+    const std::string from = withoutSlash(frame), before = std::exchange(frame_, from);
+    const std::string defect = defectOf(scan, config_.scan.assembler.scan_beams_max);
+    if (!defect.empty()) return countDrop(scan.stamp, "malformed", defect);
+    if (!before.empty() && before != from) {
+      return countDrop(scan.stamp, "frame_changed",
+                       "a scan's frame is '" + from + "', that of the scan before was '" + before +
+                           "': let each sensor have a topic of its own");
     }
     if (scan.stamp - arrival > fromSeconds(config_.scan.future_max_s)) {
-      countDrop(scan.stamp, "future_stamp");
-      return "it is stamped in the future";
+      return countDrop(scan.stamp, "future_stamp", stampText(scan.stamp, arrival));
     }
     if (waiting_.size() == kWaitingMax) {
-      countDrop(waiting_.front().scan.stamp, "no_transform");
+      const Ready& oldest = waiting_.front();
+      countDrop(oldest.scan.stamp, "no_transform", whyNotPlaced(oldest, arrival));
       waiting_.pop_front();
     }
-    waiting_.push_back({std::move(scan), withoutSlash(frame), arrival, {}, {}});
-    return defect;
+    waiting_.push_back({std::move(scan), from, arrival, {}, {}});
   }
-  void clear() { waiting_.clear(); }
+  void clear() {
+    waiting_.clear();
+    frame_.clear();
+  }
 
   /// The oldest scan that can be placed now. Those before it that cannot are dropped and counted.
   /// @param joints nothing where no robot is filtered out. @param now for how long a scan waited.
@@ -70,7 +77,7 @@ class ScanSource {
     for (; !waiting_.empty(); waiting_.pop_front()) {
       Ready& scan = waiting_.front();
       if (now < scan.arrival) {  // time began anew
-        countDrop(scan.scan.stamp, "time_jump");
+        countDrop(scan.scan.stamp, "time_jump", "time jumped back while it waited");
         continue;
       }
       const Status status = place(scan, joints);
@@ -81,14 +88,20 @@ class ScanSource {
         return &ready_;
       }
       const bool joints_missing = status == Status::kNotYet && !covers(joints, scan.scan);
-      countDrop(scan.scan.stamp,
-                joints_missing ? "no_joint_states" : TransformHistory::name(status));
+      if (joints_missing) {
+        countDrop(scan.scan.stamp, "no_joint_states",
+                  "no joint states around its beams came; " + stampText(scan.scan.stamp, now));
+      } else {
+        countDrop(scan.scan.stamp, TransformHistory::name(status), whyNotPlaced(scan, now));
+      }
     }
     return nullptr;
   }
   /// Drops what still waits.
   void drain() {
-    for (const Ready& scan : waiting_) countDrop(scan.scan.stamp, "no_transform");
+    for (const Ready& scan : waiting_) {
+      countDrop(scan.scan.stamp, "no_transform", "the recording ended while it waited");
+    }
     waiting_.clear();
   }
 
@@ -96,10 +109,10 @@ class ScanSource {
   [[nodiscard]] const std::map<std::string, std::size_t>& dropped() const { return dropped_; }
   [[nodiscard]] std::size_t droppedCount() const { return dropped_count_; }
   /// For a scan that failed after it left.
-  void countDrop(Time stamp, const std::string& reason) {
+  void countDrop(Time stamp, const std::string& reason, const std::string& detail) {
     ++dropped_[reason];
     ++dropped_count_;
-    if (told_) told_(stamp, reason);
+    if (told_) told_({stamp, ScanReport::Outcome::kDropped, reason, detail});
   }
   [[nodiscard]] std::size_t waiting() const { return waiting_.size(); }
 
@@ -111,6 +124,15 @@ class ScanSource {
     if (!joints) return true;
     const auto until = joints->answersUntil();
     return until && *until >= scan.lastBeamTime();
+  }
+
+  /// For people.
+  [[nodiscard]] std::string whyNotPlaced(const Ready& scan, Time now) const {
+    for (const std::string& frame : {scan.frame, config_.fixed_frame}) {
+      if (!transforms_.hasFrame(frame)) return "tf has no frame '" + frame + "'";
+    }
+    return "tf cannot place its frame '" + scan.frame + "' in '" + config_.fixed_frame +
+           "' at its time; " + stampText(scan.scan.stamp, now);
   }
 
   /// Fills in the poses. @return kFound, kNotYet where waiting may help, or why it cannot.
@@ -135,7 +157,8 @@ class ScanSource {
   Ready ready_;
   std::map<std::string, std::size_t> dropped_;
   std::size_t dropped_count_ = 0;
-  std::function<void(Time, const std::string&)> told_;
+  std::function<void(const ScanReport&)> told_;
+  std::string frame_;  ///< of the newest scan
 };
 
 }  // namespace tccm

@@ -27,6 +27,8 @@ class TransformHistory {
   /// Frames may start with a slash. Transforms that tf2 refuses (NaN, no child) are passed over.
   void add(const tf2_msgs::TFMessage& message, bool is_static);
   void clear();
+  /// Whether any transform, to it or from it, was heard of.
+  [[nodiscard]] bool hasFrame(const std::string& frame) const { return names_.count(frame) > 0; }
   /// Why transforms were passed over, for people: of frames' names only so many are known, as tf2
   /// never forgets one. Empty where none was.
   [[nodiscard]] std::string defect() const;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/line_of.h"
+
 namespace tccm {
 namespace {
 
@@ -13,13 +15,33 @@ BeamKind kindOf(float range, const LaserScan& scan) {
   if (std::isnan(range)) return BeamKind::kUnknown;
   if (range < scan.range_min || range == 0.0F) return BeamKind::kTooClose;
   // The stored limit is a float made double: compare on the float's side of it.
-  if (range >= static_cast<float>(scan.range_max)) return BeamKind::kNoReturn;
-  return BeamKind::kReturn;
+  const auto range_max = static_cast<float>(scan.range_max);
+  if (range < range_max) return BeamKind::kReturn;
+  return range == range_max || std::isinf(range) ? BeamKind::kNoReturn : BeamKind::kUnknown;
 }
 
 double rangeOf(BeamKind kind, float measured, const LaserScan& scan) {
   if (kind == BeamKind::kReturn) return static_cast<double>(measured);
   return kind == BeamKind::kNoReturn ? scan.range_max : kNoRange;
+}
+
+/// Drivers round, and count the last beam or not: one increment more or less is no contradiction.
+std::string defectOfAngles(const LaserScan& scan) {
+  constexpr double kRounding = 1e-4;  // [rad]
+  const double begin = scan.angle_min, step = scan.angle_increment;
+  const double said = scan.angle_max.value_or(begin);
+  if (!std::isfinite(begin) || !std::isfinite(step) || !std::isfinite(said)) {
+    return "angle_min, angle_max or angle_increment is not finite";
+  }
+  const std::size_t beams = scan.ranges.size();
+  if (beams == 1 && step == 0.0) return {};
+  if (step == 0.0) return "angle_increment is 0: all beams would go one way";
+  const double end = begin + static_cast<double>(beams - 1) * step;
+  if (!scan.angle_max || std::abs(said - end) <= 1.01 * std::abs(step) + kRounding) return {};
+  return lineOf(
+      "angle_min %.4f rad and %zu beams, angle_increment %.6f rad apart, end at %.4f rad, but "
+      "angle_max is %.4f: at most one increment between them",
+      begin, beams, step, end, said);
 }
 
 double elevationOfX(const Pose& T_fixed_sensor) {
@@ -36,19 +58,21 @@ BeamCounts AssembledScan::counts() const {
 
 std::string defectOf(const LaserScan& scan, std::size_t max_beams) {
   if (scan.ranges.empty()) return "it has no beams";
-  if (scan.ranges.size() > max_beams) return "it has more beams than scan_beams_max";
-  if (!std::isfinite(scan.angle_min) || !std::isfinite(scan.angle_increment)) {
-    return "angle_min or angle_increment is not finite";
+  if (scan.ranges.size() > max_beams) {
+    return lineOf("it has %zu beams, scan_beams_max is %zu", scan.ranges.size(), max_beams);
   }
-  if (scan.ranges.size() > 1 && scan.angle_increment == 0.0) {
-    return "angle_increment is 0: all beams would go one way";
-  }
+  std::string angles = defectOfAngles(scan);
+  if (!angles.empty()) return angles;
   if (!(scan.range_min >= 0.0) || !(scan.range_max > scan.range_min) ||
       !std::isfinite(scan.range_max)) {
-    return "range_min and range_max contradict each other";
+    return lineOf("range_min %.3g and range_max %.3g m contradict each other", scan.range_min,
+                  scan.range_max);
   }
   if (scan.time_increment < Duration::zero()) return "time_increment is negative";
-  if (scan.lastBeamTime() - scan.stamp > kLongestScan) return "it takes longer than a second";
+  if (scan.lastBeamTime() - scan.stamp > kLongestScan) {
+    return lineOf("it takes %.1f s, at most 1 s is believed; see time_increment",
+                  toSeconds(scan.lastBeamTime() - scan.stamp));
+  }
   return {};
 }
 

@@ -31,6 +31,8 @@ struct Beam {
 struct AssembledScan {
   Time stamp;
   std::vector<Beam> beams;
+  /// How many of them were taken for each shape of the body, in its order.
+  std::vector<std::size_t> self_counts = {};
 
   /// How many beams are of each kind, indexed by BeamKind.
   [[nodiscard]] BeamCounts counts() const;

@@ -58,16 +58,24 @@ void BodyFilter::describe(ParameterTable& table) {
 }
 
 void BodyFilter::apply(const std::vector<BodySample>& samples, AssembledScan& scan) const {
+  scan.self_counts.clear();
   if (samples.empty()) return;
+  scan.self_counts.resize(samples.front().body.shapes.size());
   std::size_t nearest = 0;
   for (Beam& beam : scan.beams) {
     const auto gap = [&](std::size_t k) { return std::chrono::abs(samples[k].stamp - beam.stamp); };
     while (nearest + 1 < samples.size() && gap(nearest + 1) <= gap(nearest)) ++nearest;
-    if (beam.kind == BeamKind::kReturn) beam.kind = classify(beam, samples[nearest].body);
+    if (beam.kind != BeamKind::kReturn) continue;
+    beam.kind = classify(beam, samples[nearest].body, scan.self_counts);
   }
 }
 
-BeamKind BodyFilter::classify(const Beam& beam, const Body& body) const {
+BeamKind BodyFilter::classify(const Beam& beam, const Body& body,
+                              std::vector<std::size_t>& self_counts) const {
+  const auto own = [&self_counts](std::size_t shape) {
+    ++self_counts[shape];
+    return BeamKind::kSelf;
+  };
   const Vector3 sight = beam.p_fixed - beam.viewpoint;
   const double range = sight.norm();
   const Ray ray{beam.viewpoint, sight / range};
@@ -79,12 +87,12 @@ BeamKind BodyFilter::classify(const Beam& beam, const Body& body) const {
     const double far = boundingRadius(shape) + std::max(padding, 2.0 * grazing_m);
     if (squaredDistance(ray, range + range_tolerance_m, pose.translation()) > far * far) continue;
     const Pose T_shape_fixed = pose.inverse();
-    if (distance(shape, T_shape_fixed * beam.p_fixed) <= padding) return BeamKind::kSelf;
+    if (distance(shape, T_shape_fixed * beam.p_fixed) <= padding) return own(i);
     if (distance(shape, T_shape_fixed * beam.viewpoint) == 0.0) continue;
     const Ray ray_in_shape = transformed(ray, T_shape_fixed);
-    const auto own = intersect(expanded(shape, {1.0, padding}), ray_in_shape);
-    if (own && range >= own->enter - range_tolerance_m && range <= own->leave + range_tolerance_m) {
-      return BeamKind::kSelf;
+    const auto met = intersect(expanded(shape, {1.0, padding}), ray_in_shape);
+    if (met && range >= met->enter - range_tolerance_m && range <= met->leave + range_tolerance_m) {
+      return own(i);
     }
     const auto span = intersect(expanded(shape, {1.0, grazing_m}), ray_in_shape);
     if (span && range >= span->enter && range <= span->leave + shadow_depth_m) {

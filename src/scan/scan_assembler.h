@@ -37,7 +37,9 @@ struct BodyFilter {
   void apply(const std::vector<BodySample>& samples, AssembledScan& scan) const;
 
  private:
-  [[nodiscard]] BeamKind classify(const Beam& beam, const Body& body) const;
+  /// @param self_counts of the shape that it is taken for grows by one.
+  [[nodiscard]] BeamKind classify(const Beam& beam, const Body& body,
+                                  std::vector<std::size_t>& self_counts) const;
 };
 
 /// From a scan's ranges to filtered points in the fixed frame: projection beam by beam, range

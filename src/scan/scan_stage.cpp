@@ -1,5 +1,7 @@
 #include "scan/scan_stage.h"
 
+#include <algorithm>
+
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
@@ -76,8 +78,22 @@ std::string ScanStage::assemble(const LaserScan& scan, const PosePath& T_fixed_s
     std::string unknown = body_->sample(scan.stamp, scan.lastBeamTime(), T_fixed_roots);
     if (!unknown.empty()) return unknown;
   }
-  return config_.assembler.assemble(scan, T_fixed_sensor, body_ ? body_->samples() : kNobody,
-                                    scan_);
+  std::string dropped =
+      config_.assembler.assemble(scan, T_fixed_sensor, body_ ? body_->samples() : kNobody, scan_);
+  if (dropped.empty() && body_) countSelf();
+  return dropped;
+}
+
+void ScanStage::countSelf() {
+  constexpr double kKept = 0.99;  // of a scan's counts at the next
+  self_counts_.resize(bare_model_->links().size());
+  for (double& count : self_counts_) count *= kKept;
+  for (std::size_t i = 0; i < scan_.self_counts.size(); ++i) {
+    self_counts_[body_->linkOf(i)] += static_cast<double>(scan_.self_counts[i]);
+  }
+  const auto most = std::max_element(self_counts_.begin(), self_counts_.end());
+  const auto link = static_cast<std::size_t>(most - self_counts_.begin());
+  if (*most > 0.0) self_link_ = bare_model_->links()[link];
 }
 
 }  // namespace tccm

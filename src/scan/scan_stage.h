@@ -50,12 +50,18 @@ class ScanStage {
                                      const std::vector<PosePath>& T_fixed_roots);
   /// The last scan, in the fixed frame.
   [[nodiscard]] const AssembledScan& scan() const { return scan_; }
+  /// The link that most returns of the last hundred scans or so were taken for; empty where none.
+  [[nodiscard]] const std::string& selfLink() const { return self_link_; }
 
  private:
+  void countSelf();
+
   Config config_;
   std::shared_ptr<const RobotModel> bare_model_;  ///< with empty hands
   std::unique_ptr<BodySampler> body_;
   AssembledScan scan_;
+  std::vector<double> self_counts_;  ///< by link, forgotten slowly
+  std::string self_link_;
 };
 
 /// The map's part of an assembled scan. @param returns reused.

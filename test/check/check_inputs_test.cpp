@@ -127,5 +127,76 @@ TEST_F(CheckInputsTest, JointStatesThatAreAllOfTheFutureAreNamedOnceTheOthersAre
   }
 }
 
+TEST_F(CheckInputsTest, ScansOfTwoFramesAreAFaultThatNamesBothAndLastsForTwoSeconds) {
+  runMapped(kStart, kStart + 0.5);
+  checker_->inputs().addScanReport(
+      at(kStart + 0.5),
+      {at(kStart + 0.5), Outcome::kDropped, "frame_changed", "'laser_2' after 'laser_1'"});
+  runMapped(kStart + 0.5, kStart + 2.4);
+  EXPECT_EQ(reasonAt(kStart + 2.4), Reason::kFrameChanged);
+  EXPECT_EQ(check(kStart + 2.4).detail, "'laser_2' after 'laser_1'");
+  runMapped(kStart + 2.4, kStart + 2.6);
+  EXPECT_NE(reasonAt(kStart + 2.6), Reason::kFrameChanged);
+}
+
+TEST_F(CheckInputsTest, ABodyFilterThatTakesNearlyAllIsBlindNamingTheLink) {
+  runMapped(kStart, kStart + 0.5);
+  for (const double share : {0.0, 0.5, 0.89, 0.91, 1.0}) {
+    CuboidMap map = clear_;
+    map.self_share = share;
+    ScanReport assembled{at(kStart + 0.5), Outcome::kAssembled};
+    assembled.self_link = "wing";
+    checker_->inputs().addScanReport(at(kStart + 0.5), assembled);
+    robot(kStart + 0.5);
+    setMap(kStart + 0.5, map);
+    const Verdict& verdict = check(kStart + 0.5);
+    EXPECT_EQ(verdict.reason == Reason::kBlind, share > 0.9) << share;
+    EXPECT_EQ(verdict.detail.find("'wing'") != std::string::npos, share > 0.9) << verdict.detail;
+  }
+}
+
+TEST_F(CheckInputsTest, AMapThatComesAgainIsNoNews) {
+  runMapped(kStart, kStart + 0.5);
+  const double last = kStart + 0.475;
+  auto same = std::make_shared<CuboidMap>(clear_);
+  same->stamp = at(last);
+  same->serial = checker_->map()->serial;
+  refreshLooks(*same);
+  for (double now = last; now <= last + 0.3; now += 0.005) {
+    robot(now);
+    checker_->setMap(at(now), same);
+    const Verdict& verdict = check(now);
+    if (verdict.reason == Reason::kClear) continue;
+    EXPECT_EQ(verdict.reason, Reason::kNoMap);
+    EXPECT_NEAR(now - last, 3.0 * kScanPeriod, 0.011);
+    return;
+  }
+  FAIL() << "it stayed clear";
+}
+
+TEST_F(CheckInputsTest, TheJointThatIsSilentIsNamedWithItsSilence) {
+  runMapped(kStart, kStart + 0.5);
+  for (double now = kStart + 0.5; now < kStart + 0.8; now += 0.01) {
+    setRoot(now);
+    checker_->addJoints(at(now), at(now), {"slide"}, {0.0}, {});
+    setMap(now, clear_);
+    check(now);
+  }
+  const Verdict& verdict = check(kStart + 0.8);
+  EXPECT_EQ(verdict.reason, Reason::kNoJoints);
+  EXPECT_NE(verdict.detail.find("'glide' was not heard of for 3"), std::string::npos)
+      << verdict.detail;
+}
+
+TEST_F(CheckInputsTest, WhyScansAreDroppedIsSaid) {
+  runMapped(kStart, kStart + 0.5);
+  runUnmapped(kStart + 0.5, kStart + 2.0, [this](double now) {
+    checker_->inputs().addScanReport(at(now),
+                                     {at(now), Outcome::kDropped, "malformed", "it has no beams"});
+  });
+  EXPECT_EQ(last_, Reason::kNoMap);
+  EXPECT_NE(detail_.find("it has no beams"), std::string::npos) << detail_;
+}
+
 }  // namespace
 }  // namespace tccm

@@ -347,5 +347,20 @@ TEST(MapperTest, ValuesOutOfRangeAndTwoWindowsAtOnceAreRefused) {
   refused([](Mapper::Config& c) { c.window_scans = 40, c.window_s = 1.0; });
 }
 
+TEST(MapperTest, AMapOfATiltThatTurnsFasterThanAnyIsNotComplete) {
+  for (const double period : {0.05, 0.1, 0.2, 0.29, 0.31, 0.5, 1.0, 2.0}) {
+    Mapper mapper(smallMap());
+    bool was_complete = false;
+    for (int i = 0; i < 600; ++i) {
+      ScanReturns scan = scanAt(0.01 * i);
+      scan.tilt = 0.5 * std::sin(2.0 * M_PI * 0.01 * i / period + 0.3);
+      mapper.add(scan);
+      was_complete = was_complete || isComplete(mapper);
+    }
+    EXPECT_EQ(was_complete, period > 0.3) << period;
+    EXPECT_EQ(mapper.tiltTooFast(), period < 0.3) << period;
+  }
+}
+
 }  // namespace
 }  // namespace tccm

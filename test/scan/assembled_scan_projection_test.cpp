@@ -94,7 +94,7 @@ TEST(ProjectionTest, RangesAreSortedByRep117AndTheLimits) {
   const AssembledScan result = projected(scan, still(Pose::Identity()));
   const std::vector<K> expected = {K::kReturn,   K::kNoReturn, K::kTooClose, K::kUnknown,
                                    K::kTooClose, K::kReturn,   K::kNoReturn, K::kReturn,
-                                   K::kNoReturn, K::kTooClose, K::kNoReturn};
+                                   K::kUnknown,  K::kTooClose, K::kUnknown};
   for (std::size_t i = 0; i < expected.size(); ++i) {
     EXPECT_EQ(result.beams[i].kind, expected[i]) << "range " << scan.ranges[i];
   }
@@ -266,6 +266,66 @@ TEST(DefectTest, RangeLimitsThatContradictOrAreNotFiniteAreNamed) {
 
 TEST(DefectTest, ANegativeTimeIncrementIsNamed) {
   EXPECT_NE(defectOf(scanOf({1.0F}, -0.001), 10).find("time_increment"), std::string::npos);
+}
+
+/// As drivers send it: rounded to floats, the last beam's angle or the end of the field of view.
+LaserScan saidScan(test::Random& random) {
+  LaserScan scan = scanOf({});
+  const int beams = random.integer(2, 1500);
+  const double step = (random.chance(0.2) ? -1.0 : 1.0) * random.uniform(0.001, 0.05);
+  scan.angle_min = static_cast<float>(random.uniform(-3.2, 3.2));
+  scan.angle_increment = static_cast<float>(step);
+  scan.angle_max = static_cast<float>(scan.angle_min + (beams - 1) * step);
+  scan.ranges.assign(static_cast<std::size_t>(beams), 1.0F);
+  return scan;
+}
+
+TEST(DefectTest, AnglesThatDiffersByOneIncrementAreWhatDriversSend) {
+  test::Random random(5);
+  for (int neighbour = 0; neighbour < 200; ++neighbour) {
+    LaserScan scan = saidScan(random);
+    EXPECT_EQ(defectOf(scan, 2000), "");
+    const double said = *scan.angle_max;
+    for (const double increments : {-1.0, -0.5, 0.5, 1.0}) {
+      scan.angle_max = static_cast<float>(said + increments * scan.angle_increment);
+      EXPECT_EQ(defectOf(scan, 2000), "") << increments;
+    }
+    scan.angle_max.reset();
+    EXPECT_EQ(defectOf(scan, 2000), "") << "not said";
+  }
+}
+
+TEST(DefectTest, AnglesThatContradictEachOtherAreNamedWithTheirFigures) {
+  test::Random random(6);
+  for (int member = 0; member < 200; ++member) {
+    LaserScan scan = saidScan(random);
+    switch (member % 4) {
+      case 0:
+        scan.angle_increment *= random.chance(0.5) ? 180.0 / M_PI : M_PI / 180.0;
+        break;
+      case 1:
+        scan.ranges.resize(scan.ranges.size() * 2 + 2, 1.0F);
+        break;
+      case 2:
+        scan.angle_min -= 3.0 * std::abs(scan.angle_increment) + random.uniform(0.0, 1.0);
+        break;
+      default:
+        *scan.angle_max += 3.0 * scan.angle_increment;
+        break;
+    }
+    const std::string defect = defectOf(scan, 4000);
+    for (const char* const word : {"angle_min", "angle_increment", "angle_max", "beams"}) {
+      EXPECT_NE(defect.find(word), std::string::npos) << member << ": " << defect;
+    }
+  }
+}
+
+TEST(DefectTest, AnAngleMaxThatIsNotFiniteIsNamed) {
+  LaserScan scan = scanOf({1.0F, 1.0F});
+  for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
+    scan.angle_max = bad;
+    EXPECT_NE(defectOf(scan, 10).find("angle_max"), std::string::npos);
+  }
 }
 
 }  // namespace
