@@ -161,7 +161,7 @@ TEST_F(CheckInputsTest, AMapThatComesAgainIsNoNews) {
   auto same = std::make_shared<CuboidMap>(clear_);
   same->stamp = at(last);
   same->serial = checker_->map()->serial;
-  refreshLooks(*same);
+  test::refreshLooks(*same);
   for (double now = last; now <= last + 0.3; now += 0.005) {
     robot(now);
     checker_->setMap(at(now), same);
