@@ -28,8 +28,8 @@ void Braking::describe(ParameterTable& table) {
 
 void ContactJudge::Config::describe(ParameterTable& table) {
   table.add("horizon_s", &horizon_s, "s", {0.0, 10.0},
-            "how far the way ahead is looked at (paper, section VI.B); not tuned below "
-            "`stop_time_s`",
+            "how far the way ahead is looked at (paper, section VI.B), further where halting takes "
+            "longer; not tuned below `stop_time_s`",
             Tunable::kYes);
   table.add("way_step_m", &step_m, "m", {1e-3, 1.0},
             "no primitive moves further between two poses that are looked at; a cell");

@@ -7,7 +7,6 @@
 namespace tccm {
 namespace {
 
-constexpr double kEscape = 0.05;  // [m] that a primitive moves at most on the way looked at
 constexpr double kStep = 0.0025;  // [m] between two poses
 constexpr double kJump = 0.01;    // [m] in no time: such a motion cannot be followed
 constexpr double kNoise = 0.002;  // [m] by which a distance may shrink without closing
@@ -17,7 +16,7 @@ constexpr double kMoves = 0.003;  // [m] that a primitive has to move for that
 std::vector<double> radiiOf(const CheckedRobot& robot) {
   std::vector<double> radii;
   for (const std::size_t shape : robot.collision_body.shapes) {
-    radii.push_back(boundingRadius(robot.model->shapes()[shape].shape));
+    radii.push_back(boundingRadius(robot.model->shapes()[shape].shape) + MovingOut::kGrowth);
   }
   return radii;
 }

@@ -13,11 +13,14 @@ namespace tccm {
 
 /// Tells a motion that ends a contact from one that goes on into it. For each pair of primitive and
 /// cuboid that touch, the distance of the primitive's core (its axis or middle) to the cuboid is
-/// followed along the primitive's next 50 mm: it may nowhere become less, and in the end it must be
-/// more. Where a core itself is in a cuboid, no way out can be told. What does not touch yet is no
-/// concern of it: that lies ahead, and is judged as such.
+/// followed along the primitive's next 100 mm: it may nowhere become less, and in the end it must
+/// be more. Where a core itself is in a cuboid, no way out can be told. What does not touch yet is
+/// no concern of it: that lies ahead, and is judged as such.
 class MovingOut {
  public:
+  static constexpr double kEscape = 0.1;   ///< [m] of a primitive's way that are followed
+  static constexpr double kGrowth = 0.03;  ///< [m] that primitives are taken to be larger by
+
   explicit MovingOut(const std::shared_ptr<const CheckedRobot>& robot);
 
   /// @param contacts of the pose at the way's begin, as PoseCheck lists them.

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "check/moving_out.h"
 #include "geometry/distance.h"
 
 namespace tccm {
 namespace {
 
-constexpr double kLookMax = 2.0;       // [s] ahead, unless the horizon is further
-constexpr double kUsualGrowth = 0.15;  // [m] of primitives, by padding and margin
-constexpr double kUnits = 8.0;  // of a step, between two places: they tell the time of a contact
+constexpr double kLookMax = 2.0;  // [s] ahead, unless the horizon is further
+constexpr double kUnits = 8.0;    // of a step, between two places: they tell the time of a contact
 constexpr double kUnitsExempt = 2.0;      // where nothing shows quickly that a place is free
 constexpr double kSearch = 0.1;           // [m] around a primitive; nearer is not always cheaper
 constexpr double kTouching = 1e-6;        // [m] that count as nothing
@@ -76,7 +76,7 @@ WayAhead::WayAhead(const std::shared_ptr<const CheckedRobot>& robot, double step
       margin_max_m_(margin_max_m),
       speeds_(robot),
       bound_(*robot_->model, body_.shapes, body_.radii(margin_max_m)),
-      cursor_bound_(*robot_->model, body_.shapes, bareRadii(*robot_, kUsualGrowth)),
+      cursor_bound_(*robot_->model, body_.shapes, bareRadii(*robot_, MovingOut::kGrowth)),
       kinematics_(robot_->model) {
   const std::size_t variables = robot_->model->variables().size();
   for (auto* values : {&positions_, &begin_, &halfway_, &end_, &travelled_}) {
@@ -178,7 +178,7 @@ bool WayAhead::isFree(const Way& way, std::size_t i) {
   way.path.travelUntil(std::min(part.look_s, way.path.end()), end_);
   const double metres = std::max(moved(i, begin_, halfway_), moved(i, halfway_, end_));
   return !robot_->collision.nearest(way.map, part.grown, kinematics_.shapePoses()[body_.shapes[i]],
-                                    metres + kTouching, &part.touched);
+                                    metres + kTouching);
 }
 
 double WayAhead::latest(std::size_t i) const {
@@ -197,6 +197,7 @@ void WayAhead::walk(const Way& way, std::size_t i) {
   for (std::size_t index = 0; !isExhausted();) {
     const double here_m = unit_m_ * placeOf(index, part.halvings);
     if (!cursor_.moveTo(here_m) || cursor_.time() > latest(i)) return;
+    is_leaving_ = here_m <= MovingOut::kEscape && !part.touched.empty();
     with_margin = with_margin && !(touch_ && touch_->stops);
     place(way, i, index == 0);
     const double radius_m = std::clamp(part.per_metre * (end_m - here_m), 0.0, kSearch);
@@ -207,7 +208,8 @@ void WayAhead::walk(const Way& way, std::size_t i) {
     }
     if (!with_margin && free_m <= kTouching && touches(way, i, false)) return;
     const double next_m = here_m + std::max(0.0, free_m - kTouching) / part.per_metre;
-    index = std::max(index + 1, placeFrom(next_m / unit_m_, part.halvings));
+    const double looked_m = is_leaving_ ? std::min(next_m, MovingOut::kEscape) : next_m;
+    index = std::max(index + 1, placeFrom(looked_m / unit_m_, part.halvings));
   }
 }
 
@@ -221,6 +223,10 @@ void WayAhead::place(const Way& way, std::size_t i, bool is_here) {
                                  robot_->model->shapes()[shape].T_link_shape;
 }
 
+const std::vector<std::uint32_t>* WayAhead::left(std::size_t i, bool with_margin) const {
+  return is_leaving_ && !with_margin ? &parts_[i].touched : nullptr;
+}
+
 const Shape& WayAhead::solid(std::size_t i, bool with_margin) const {
   return with_margin ? parts_[i].grown : body_.body.shapes[i];
 }
@@ -228,7 +234,7 @@ const Shape& WayAhead::solid(std::size_t i, bool with_margin) const {
 double WayAhead::freeAround(const Way& way, std::size_t i, bool with_margin,
                             double radius_m) const {
   const auto found = robot_->collision.nearest(way.map, solid(i, with_margin), T_fixed_shape_,
-                                               radius_m + kTouching, &parts_[i].touched);
+                                               radius_m + kTouching, left(i, with_margin));
   return found ? found->distance_m : radius_m + kTouching;
 }
 
@@ -236,7 +242,8 @@ bool WayAhead::touches(const Way& way, std::size_t i, bool with_margin) {
   const Part& part = parts_[i];
   const Shape& shape = solid(i, with_margin);
   const auto index = static_cast<std::uint32_t>(i);
-  const auto cuboid = robot_->collision.first(way.map, shape, T_fixed_shape_, index, &part.touched);
+  const auto cuboid =
+      robot_->collision.first(way.map, shape, T_fixed_shape_, index, left(i, with_margin));
   if (!cuboid) return false;
   const auto model_shape = static_cast<std::uint32_t>(body_.shapes[i]);
   const double time_s = cursor_.time(), speed = speeds_.of(i);

@@ -84,6 +84,9 @@ class WayAhead {
   // Of a primitive where the cursor is:
 
   void place(const Way& way, std::size_t i, bool is_here);
+  /// What it touches at the present pose and is about to leave: MovingOut tells whether it does. So
+  /// far that does not count as ahead, nor do margins count less for it.
+  [[nodiscard]] const std::vector<std::uint32_t>* left(std::size_t i, bool with_margin) const;
   [[nodiscard]] const Shape& solid(std::size_t i, bool with_margin) const;
   /// How far it is from everything at least; no more than the radius is looked for.
   [[nodiscard]] double freeAround(const Way& way, std::size_t i, bool with_margin,
@@ -110,6 +113,7 @@ class WayAhead {
   const Posture* here_ = nullptr;
   PathCursor cursor_;
   Pose T_fixed_shape_ = Pose::Identity();  ///< where the cursor is
+  bool is_leaving_ = false;                ///< so near to the way's begin
   std::optional<Found> touch_, margin_;
   std::optional<TooFast> too_fast_;
   std::size_t poses_ = 0;
