@@ -9,6 +9,7 @@
 namespace tccm {
 namespace {
 
+constexpr double kGrown = 1.0;    // [m] by which lever arms with a margin are found
 constexpr double kLookMax = 2.0;  // [s] ahead, unless the horizon is further
 constexpr double kUnits = 8.0;    // of a step, between two places: they tell the time of a contact
 constexpr double kUnitsExempt = 2.0;      // where nothing shows quickly that a place is free
@@ -75,11 +76,12 @@ WayAhead::WayAhead(const std::shared_ptr<const CheckedRobot>& robot, double step
       step_m_(step_m),
       margin_max_m_(margin_max_m),
       speeds_(robot),
-      bound_(*robot_->model, body_.shapes, body_.radii(margin_max_m)),
+      bound_(*robot_->model, body_.shapes, body_.radii(0.0)),
+      bound_grown_(*robot_->model, body_.shapes, body_.radii(kGrown)),
       cursor_bound_(*robot_->model, body_.shapes, bareRadii(*robot_, MovingOut::kGrowth)),
       kinematics_(robot_->model) {
   const std::size_t variables = robot_->model->variables().size();
-  for (auto* values : {&positions_, &begin_, &halfway_, &end_, &travelled_}) {
+  for (auto* values : {&positions_, &begin_, &halfway_, &end_}) {
     values->resize(variables);
   }
   for (std::size_t i = 0; i < body_.shapes.size(); ++i) parts_.push_back(partOf(i));
@@ -87,6 +89,7 @@ WayAhead::WayAhead(const std::shared_ptr<const CheckedRobot>& robot, double step
 
 WayAhead::Part WayAhead::partOf(std::size_t i) const {
   Part part{LinkChain(*robot_->model, body_.links[i]), body_.body.shapes[i]};
+  part.arms.resize(robot_->model->variables().size());
   part.touched.reserve(static_cast<std::size_t>(robot_->config.collision.contacts_max));
   return part;
 }
@@ -124,7 +127,7 @@ bool WayAhead::lookAlong(const Way& way) {
   const double look_s = halting_.lookTime(speeds_.fastest());
   if (way.path.end() < std::min(look_s, lookTimeMax())) return false;
   if (look_s > way.path.end()) noteTooFast(way);
-  bound_.cover(way.path);
+  for (MotionBound* bound : {&bound_, &bound_grown_}) bound->cover(way.path);
   for (std::size_t i = 0; i < parts_.size(); ++i) prepare(i);
   const double halfway_s = 0.5 * std::min(look_s, way.path.end());
   way.path.positionsAt(halfway_s, positions_);
@@ -154,11 +157,28 @@ void WayAhead::prepare(std::size_t i) {
   part.margin_m = std::min(halting_.delay_s * speed, margin_max_m_);
   part.grown = expanded(body_.body.shapes[i], {1.0, part.margin_m});
   part.look_s = halting_.lookTime(speed);
-  part.per_metre = 0.0;
   const double* arms = bound_.leverArms(i);
+  const double* arms_grown = bound_grown_.leverArms(i);
+  for (std::size_t v = 0; v < part.arms.size(); ++v) {
+    part.arms[v] = arms[v] + part.margin_m / kGrown * (arms_grown[v] - arms[v]);
+  }
+}
+
+/// The most on any straight piece of the way.
+void WayAhead::findPerMetre(const Way& way, std::size_t i) {
+  Part& part = parts_[i];
   const double* cursor_arms = cursor_bound_.leverArms(i);
-  for (std::size_t v = 0; v < positions_.size(); ++v) {
-    if (arms[v] > 0.0) part.per_metre = std::max(part.per_metre, arms[v] / cursor_arms[v]);
+  part.per_metre = 0.0;
+  for (std::size_t point = 0; point + 1 < way.path.size(); ++point) {
+    if (way.path.time(point) > part.look_s) break;
+    const double* from = way.path.travel(point);
+    const double* to = way.path.travel(point + 1);
+    double metres = 0.0, cursor_metres = 0.0;
+    for (std::size_t v = 0; v < part.arms.size(); ++v) {
+      metres += part.arms[v] * (to[v] - from[v]);
+      cursor_metres += cursor_arms[v] * (to[v] - from[v]);
+    }
+    if (metres > 0.0) part.per_metre = std::max(part.per_metre, metres / cursor_metres);
   }
   part.halvings = 0;
   while (std::ldexp(step_m_, static_cast<int>(part.halvings)) < unit_m_ * part.per_metre) {
@@ -167,9 +187,11 @@ void WayAhead::prepare(std::size_t i) {
 }
 
 double WayAhead::moved(std::size_t i, const std::vector<double>& from,
-                       const std::vector<double>& to) {
-  for (std::size_t v = 0; v < travelled_.size(); ++v) travelled_[v] = to[v] - from[v];
-  return bound_.displacement(i, travelled_);
+                       const std::vector<double>& to) const {
+  const Part& part = parts_[i];
+  double metres = 0.0;
+  for (std::size_t v = 0; v < part.arms.size(); ++v) metres += part.arms[v] * (to[v] - from[v]);
+  return metres;
 }
 
 bool WayAhead::isFree(const Way& way, std::size_t i) {
@@ -189,28 +211,47 @@ double WayAhead::latest(std::size_t i) const {
 }
 
 void WayAhead::walk(const Way& way, std::size_t i) {
+  findPerMetre(way, i);
   const Part& part = parts_[i];
   if (part.per_metre <= 0.0) return;
   cursor_.start(way.path, cursor_bound_.leverArms(i));
-  const double end_m = cursor_.metresUntil(part.look_s);
+  end_m_ = cursor_.metresUntil(part.look_s);
   bool with_margin = part.margin_m > 0.0;
+  double free_m = 0.0, free_before_m = 0.0;  // by the cursor
   for (std::size_t index = 0; !isExhausted();) {
     const double here_m = unit_m_ * placeOf(index, part.halvings);
     if (!cursor_.moveTo(here_m) || cursor_.time() > latest(i)) return;
     is_leaving_ = here_m <= MovingOut::kEscape && !part.touched.empty();
     with_margin = with_margin && !(touch_ && touch_->stops);
     place(way, i, index == 0);
-    const double radius_m = std::clamp(part.per_metre * (end_m - here_m), 0.0, kSearch);
-    double free_m = freeAround(way, i, with_margin, radius_m);
-    if (with_margin && free_m <= kTouching && touches(way, i, true)) {
+    free_before_m = free_m;
+    free_m = freeAround(way, i, with_margin);
+    if (with_margin && free_m <= 0.0 && touches(way, i, true)) {
       with_margin = false;
-      free_m = freeAround(way, i, false, radius_m);
+      free_m = freeAround(way, i, false);
     }
-    if (!with_margin && free_m <= kTouching && touches(way, i, false)) return;
-    const double next_m = here_m + std::max(0.0, free_m - kTouching) / part.per_metre;
-    const double looked_m = is_leaving_ ? std::min(next_m, MovingOut::kEscape) : next_m;
-    index = std::max(index + 1, placeFrom(looked_m / unit_m_, part.halvings));
+    if (!with_margin && free_m <= 0.0 && touches(way, i, false)) return;
+    double next_m = here_m + free_m;
+    // Where it does not come nearer it is looked further ahead, and back from there.
+    if (free_m > 0.8 * free_before_m && !is_leaving_) {
+      next_m = passFree(way, i, with_margin, next_m, free_m);
+    }
+    if (is_leaving_) next_m = std::min(next_m, MovingOut::kEscape);
+    index = std::max(index + 1, placeFrom(next_m / unit_m_, part.halvings));
   }
+}
+
+double WayAhead::passFree(const Way& way, std::size_t i, bool with_margin, double until_m,
+                          double free_m) {
+  while (free_m > unit_m_ && !isExhausted()) {
+    const double ahead_m = until_m + 0.8 * free_m;
+    if (ahead_m >= end_m_ || !cursor_.moveTo(ahead_m)) break;
+    place(way, i, false);
+    free_m = freeAround(way, i, with_margin);
+    if (ahead_m - free_m > until_m) break;
+    until_m = ahead_m + free_m;
+  }
+  return until_m;
 }
 
 void WayAhead::place(const Way& way, std::size_t i, bool is_here) {
@@ -231,11 +272,12 @@ const Shape& WayAhead::solid(std::size_t i, bool with_margin) const {
   return with_margin ? parts_[i].grown : body_.body.shapes[i];
 }
 
-double WayAhead::freeAround(const Way& way, std::size_t i, bool with_margin,
-                            double radius_m) const {
+double WayAhead::freeAround(const Way& way, std::size_t i, bool with_margin) const {
+  const double radius_m = std::min(kSearch, parts_[i].per_metre * end_m_) + kTouching;
   const auto found = robot_->collision.nearest(way.map, solid(i, with_margin), T_fixed_shape_,
-                                               radius_m + kTouching, left(i, with_margin));
-  return found ? found->distance_m : radius_m + kTouching;
+                                               radius_m, left(i, with_margin));
+  const double metres = (found ? found->distance_m : radius_m) - kTouching;
+  return std::max(0.0, metres) / parts_[i].per_metre;
 }
 
 bool WayAhead::touches(const Way& way, std::size_t i, bool with_margin) {

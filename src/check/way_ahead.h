@@ -67,19 +67,24 @@ class WayAhead {
     LinkChain chain;
     Shape grown;  ///< by the margin
     double margin_m = 0.0;
-    double look_s = 0.0;       ///< for how long it is looked along
-    double per_metre = 1.0;    ///< that it moves at most for each that its cursor does
-    std::size_t halvings = 0;  ///< of the places' distances
+    double look_s = 0.0;            ///< for how long it is looked along
+    double per_metre = 1.0;         ///< that it moves at most for each that its cursor does
+    std::size_t halvings = 0;       ///< of the places' distances
+    std::vector<double> arms = {};  ///< of it with its margin, by variable
     std::vector<std::uint32_t> touched = {};  ///< cuboids at the present pose
   };
   [[nodiscard]] Part partOf(std::size_t i) const;
   void prepare(std::size_t i);
+  void findPerMetre(const Way& way, std::size_t i);
   /// How far it moves at most while the joints travel from one of these to the other.
   [[nodiscard]] double moved(std::size_t i, const std::vector<double>& from,
-                             const std::vector<double>& to);
+                             const std::vector<double>& to) const;
   /// From the pose halfway: whether nothing lies within what it moves.
   [[nodiscard]] bool isFree(const Way& way, std::size_t i);
   void walk(const Way& way, std::size_t i);
+  /// @param until_m the cursor may go at least, from a place with so much around it that is free.
+  /// @return how far it may go if it is looked from further ahead as well.
+  double passFree(const Way& way, std::size_t i, bool with_margin, double until_m, double free_m);
 
   // Of a primitive where the cursor is:
 
@@ -88,9 +93,8 @@ class WayAhead {
   /// far that does not count as ahead, nor do margins count less for it.
   [[nodiscard]] const std::vector<std::uint32_t>* left(std::size_t i, bool with_margin) const;
   [[nodiscard]] const Shape& solid(std::size_t i, bool with_margin) const;
-  /// How far it is from everything at least; no more than the radius is looked for.
-  [[nodiscard]] double freeAround(const Way& way, std::size_t i, bool with_margin,
-                                  double radius_m) const;
+  /// How far the cursor may go on or back at least until it touches; 0: it may touch here.
+  [[nodiscard]] double freeAround(const Way& way, std::size_t i, bool with_margin) const;
   /// Notes what it touches.
   bool touches(const Way& way, std::size_t i, bool with_margin);
 
@@ -106,6 +110,7 @@ class WayAhead {
   double margin_max_m_;
   WaySpeeds speeds_;
   MotionBound bound_;
+  MotionBound bound_grown_;
   MotionBound cursor_bound_;  ///< whose lever arms padding and ways do not change
   Kinematics kinematics_;     ///< halfway
   std::vector<Part> parts_;
@@ -113,6 +118,7 @@ class WayAhead {
   const Posture* here_ = nullptr;
   PathCursor cursor_;
   Pose T_fixed_shape_ = Pose::Identity();  ///< where the cursor is
+  double end_m_ = 0.0;                     ///< of the primitive's way, by the cursor
   bool is_leaving_ = false;                ///< so near to the way's begin
   std::optional<Found> touch_, margin_;
   std::optional<TooFast> too_fast_;
@@ -120,7 +126,7 @@ class WayAhead {
   std::size_t work_ = 0;      ///< without that of the collision check
   std::size_t work_end_ = 0;  ///< of both
   bool is_too_long_ = false;
-  std::vector<double> positions_, begin_, halfway_, end_, travelled_;  ///< reused
+  std::vector<double> positions_, begin_, halfway_, end_;  ///< reused
 };
 
 }  // namespace tccm

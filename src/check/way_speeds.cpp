@@ -6,7 +6,7 @@
 namespace tccm {
 namespace {
 
-constexpr double kLookEach = 0.1;  // [rad or m] of the joint that goes furthest
+constexpr double kLookEach = 0.2;  // [rad or m] of the joint that goes furthest
 constexpr double kFaster = 1.5;    // times as fast as when it was looked at last
 constexpr std::size_t kPlacesMax = 256;
 constexpr double kDifferent = 1e-3;  // [rad or m] between two poses that are differentiated

@@ -9,7 +9,7 @@
 
 namespace tccm {
 
-/// How fast each primitive moves at most along a way. Looked at are its begin, every further tenth
+/// How fast each primitive moves at most along a way. Looked at are its begin, every further fifth
 /// of a radian or metre of the joint that goes furthest, and wherever the joints become faster:
 /// places of the way, not instants. So who goes the same way faster is found to be faster, and by
 /// as much at least.
@@ -36,7 +36,7 @@ class WaySpeeds {
     double rate;    ///< of it [1/s]
   };
   [[nodiscard]] Piece pieceAfter(const JointPath& path, std::size_t point) const;
-  /// Looks at parts of a piece, from one tenth to the next.
+  /// Looks at parts of a piece, from one look to the next.
   void follow(const Way& way, const Piece& piece, const Halting& halting);
   /// Finds how far each primitive moves for each unit of the piece's length.
   void look(const Way& way, const Piece& piece, double length);
@@ -52,7 +52,7 @@ class WaySpeeds {
   std::vector<double> per_length_;  ///< as the last look() found it
   double length_ = 0.0;             ///< of the way so far
   double next_look_ = 0.0;          ///< length at which it is looked again at the latest
-  double looked_rate_ = 0.0, most_rate_ = 0.0;  ///< since the last tenth
+  double looked_rate_ = 0.0, most_rate_ = 0.0;  ///< since then
   std::size_t places_ = 0;
   std::vector<double> positions_;  ///< reused
 };

@@ -33,6 +33,7 @@ void PathCursor::noteJump() {
 }
 
 bool PathCursor::moveTo(double metres) {
+  if (metres < before_m_ || metres <= 0.0) start(*path_, arms_);
   if (metres <= 0.0) return true;
   jump_m_ = 0.0;
   while (after_m_ < metres) {

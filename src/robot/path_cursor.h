@@ -7,7 +7,7 @@
 
 namespace tccm {
 
-/// Goes along a path, never back, by the metres that a primitive may have moved: the sum of what
+/// Goes along a path by the metres that a primitive may have moved: the sum of what
 /// its joints travel times their lever arms. So far along it is at the same place however fast the
 /// path is gone.
 class PathCursor {
@@ -15,7 +15,7 @@ class PathCursor {
   /// To the path's begin. Both last as long as the cursor is used.
   /// @param arms one for each variable [m for each unit]. @pre the path is not empty
   void start(const JointPath& path, const double* arms);
-  /// @return false beyond the path's end: nothing changes then. @pre not before the last place
+  /// @return false beyond the path's end. Cheapest where it does not go back.
   [[nodiscard]] bool moveTo(double metres);
 
   /// When the path comes to the place; the begin of a pause.

@@ -100,7 +100,7 @@ TEST_F(MovingOutTest, NoiseOfLessThanTwoMillimetresDoesNotClose) {
 TEST_F(MovingOutTest, OutAndInAgainClosesAndDoesNotOpen) {
   EXPECT_FALSE(opens({{0.75}, {0.73}, {0.75}}));
   EXPECT_FALSE(opens({{0.75}, {0.73}, {0.74}}, false)) << "less than it was on the way";
-  EXPECT_TRUE(opens({{0.75}, {0.69}, {0.75}})) << "further away than is looked at";
+  EXPECT_TRUE(opens({{0.75}, {0.64}, {0.75}})) << "further away than is looked at";
 }
 
 TEST_F(MovingOutTest, WithoutContactsThereIsNothingToOpen) {

@@ -91,8 +91,8 @@ TEST_F(WayAheadTest, AMarginForItsSpeedMakesALinkLarger) {
   EXPECT_EQ(ahead_->margin()->scale, 0.1);
   EXPECT_FALSE(comesNear(0.14, 0.1));
   EXPECT_FALSE(comesNear(0.12, 0.07)) << "28 mm";
-  EXPECT_TRUE(comesNear(0.14, 10.0, 0.06));
-  EXPECT_FALSE(comesNear(0.16, 10.0, 0.06)) << "no more than the most";
+  EXPECT_TRUE(comesNear(0.14, 0.8, 0.06));
+  EXPECT_FALSE(comesNear(0.16, 0.8, 0.06)) << "no more than the most";
   EXPECT_FALSE(comesNear(0.12, 0.0));
 }
 

@@ -27,6 +27,8 @@ TEST(PathCursorTest, GoesByWhatThePrimitiveMovesNotByTime) {
   EXPECT_DOUBLE_EQ(cursor.time(), 3.0);
   EXPECT_DOUBLE_EQ(cursor.positions()[0], 0.4);
   EXPECT_FALSE(cursor.moveTo(1.5));
+  ASSERT_TRUE(cursor.moveTo(0.5)) << "back as well";
+  EXPECT_DOUBLE_EQ(cursor.time(), 1.5);
   EXPECT_DOUBLE_EQ(cursor.metresUntil(1.5), 0.5);
   EXPECT_DOUBLE_EQ(cursor.metresUntil(9.0), 1.4);
 }
