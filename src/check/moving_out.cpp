@@ -28,6 +28,7 @@ MovingOut::MovingOut(const std::shared_ptr<const CheckedRobot>& robot)
       shapes_(robot_->collision_body.shapes),
       bound_(*robot_->model, shapes_, radiiOf(*robot_)),
       contacts_max_(static_cast<std::size_t>(robot_->config.collision.contacts_max)),
+      cursor_(robot_->model->variables().size()),
       positions_(robot_->model->variables().size()) {
   for (const std::size_t shape : shapes_) {
     const LinkShape& bare = robot_->model->shapes()[shape];

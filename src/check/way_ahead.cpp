@@ -79,7 +79,8 @@ WayAhead::WayAhead(const std::shared_ptr<const CheckedRobot>& robot, double step
       bound_(*robot_->model, body_.shapes, body_.radii(0.0)),
       bound_grown_(*robot_->model, body_.shapes, body_.radii(kGrown)),
       cursor_bound_(*robot_->model, body_.shapes, bareRadii(*robot_, MovingOut::kGrowth)),
-      kinematics_(robot_->model) {
+      kinematics_(robot_->model),
+      cursor_(robot_->model->variables().size()) {
   const std::size_t variables = robot_->model->variables().size();
   for (auto* values : {&positions_, &begin_, &halfway_, &end_}) {
     values->resize(variables);
@@ -129,11 +130,11 @@ bool WayAhead::lookAlong(const Way& way) {
   if (look_s > way.path.end()) noteTooFast(way);
   for (MotionBound* bound : {&bound_, &bound_grown_}) bound->cover(way.path);
   for (std::size_t i = 0; i < parts_.size(); ++i) prepare(i);
-  const double halfway_s = 0.5 * std::min(look_s, way.path.end());
-  way.path.positionsAt(halfway_s, positions_);
+  halfway_s_ = 0.5 * std::min(look_s, way.path.end());
+  way.path.positionsAt(halfway_s_, positions_);
   kinematics_.update(positions_, way.T_fixed_roots);
   way.path.travelUntil(way.path.begin(), begin_);
-  way.path.travelUntil(halfway_s, halfway_);
+  way.path.travelUntil(halfway_s_, halfway_);
   ++poses_;
   for (std::size_t i = 0; i < parts_.size() && !isExhausted(); ++i) {
     if (!isFree(way, i)) walk(way, i);
@@ -196,11 +197,13 @@ double WayAhead::moved(std::size_t i, const std::vector<double>& from,
 
 bool WayAhead::isFree(const Way& way, std::size_t i) {
   work_ += kWorkOfShape;
-  const Part& part = parts_[i];
+  Part& part = parts_[i];
   way.path.travelUntil(std::min(part.look_s, way.path.end()), end_);
   const double metres = std::max(moved(i, begin_, halfway_), moved(i, halfway_, end_));
-  return !robot_->collision.nearest(way.map, part.grown, kinematics_.shapePoses()[body_.shapes[i]],
-                                    metres + kTouching);
+  const auto found = robot_->collision.nearest(
+      way.map, part.grown, kinematics_.shapePoses()[body_.shapes[i]], metres + kTouching);
+  if (found) part.free_halfway_m = std::max(0.0, found->distance_m - kTouching);
+  return !found;
 }
 
 double WayAhead::latest(std::size_t i) const {
@@ -216,6 +219,8 @@ void WayAhead::walk(const Way& way, std::size_t i) {
   if (part.per_metre <= 0.0) return;
   cursor_.start(way.path, cursor_bound_.leverArms(i));
   end_m_ = cursor_.metresUntil(part.look_s);
+  const double halfway_m = cursor_.metresUntil(halfway_s_);
+  const double around_m = part.free_halfway_m / part.per_metre;  // is free
   bool with_margin = part.margin_m > 0.0;
   double free_m = 0.0, free_before_m = 0.0;  // by the cursor
   for (std::size_t index = 0; !isExhausted();) {
@@ -236,6 +241,7 @@ void WayAhead::walk(const Way& way, std::size_t i) {
     if (free_m > 0.8 * free_before_m && !is_leaving_) {
       next_m = passFree(way, i, with_margin, next_m, free_m);
     }
+    if (std::abs(next_m - halfway_m) < around_m) next_m = halfway_m + around_m;
     if (is_leaving_) next_m = std::min(next_m, MovingOut::kEscape);
     index = std::max(index + 1, placeFrom(next_m / unit_m_, part.halvings));
   }

@@ -70,6 +70,7 @@ class WayAhead {
     double look_s = 0.0;            ///< for how long it is looked along
     double per_metre = 1.0;         ///< that it moves at most for each that its cursor does
     std::size_t halvings = 0;       ///< of the places' distances
+    double free_halfway_m = 0.0;    ///< around it at the pose halfway
     std::vector<double> arms = {};  ///< of it with its margin, by variable
     std::vector<std::uint32_t> touched = {};  ///< cuboids at the present pose
   };
@@ -118,8 +119,9 @@ class WayAhead {
   const Posture* here_ = nullptr;
   PathCursor cursor_;
   Pose T_fixed_shape_ = Pose::Identity();  ///< where the cursor is
-  double end_m_ = 0.0;                     ///< of the primitive's way, by the cursor
-  bool is_leaving_ = false;                ///< so near to the way's begin
+  double halfway_s_ = 0.0;
+  double end_m_ = 0.0;       ///< of the primitive's way, by the cursor
+  bool is_leaving_ = false;  ///< so near to the way's begin
   std::optional<Found> touch_, margin_;
   std::optional<TooFast> too_fast_;
   std::size_t poses_ = 0;

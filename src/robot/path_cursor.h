@@ -12,6 +12,9 @@ namespace tccm {
 /// path is gone.
 class PathCursor {
  public:
+  /// @param variables how many the paths have: nothing is allocated later.
+  explicit PathCursor(std::size_t variables) : positions_(variables) {}
+
   /// To the path's begin. Both last as long as the cursor is used.
   /// @param arms one for each variable [m for each unit]. @pre the path is not empty
   void start(const JointPath& path, const double* arms);

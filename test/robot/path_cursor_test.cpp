@@ -16,7 +16,7 @@ JointPath pathThrough(const std::vector<std::pair<double, double>>& places) {
 
 TEST(PathCursorTest, GoesByWhatThePrimitiveMovesNotByTime) {
   const JointPath path = pathThrough({{1.0, 0.0}, {2.0, 0.5}, {4.0, 0.3}});
-  PathCursor cursor;
+  PathCursor cursor(2);
   cursor.start(path, kArms);
   EXPECT_EQ(cursor.time(), 1.0);
   ASSERT_TRUE(cursor.moveTo(0.5));
@@ -35,7 +35,7 @@ TEST(PathCursorTest, GoesByWhatThePrimitiveMovesNotByTime) {
 
 TEST(PathCursorTest, APauseIsPassedAtItsBegin) {
   const JointPath path = pathThrough({{0.0, 0.0}, {1.0, 0.5}, {3.0, 0.5}, {4.0, 1.0}});
-  PathCursor cursor;
+  PathCursor cursor(2);
   cursor.start(path, kArms);
   ASSERT_TRUE(cursor.moveTo(1.0));
   EXPECT_DOUBLE_EQ(cursor.time(), 1.0);
@@ -45,7 +45,7 @@ TEST(PathCursorTest, APauseIsPassedAtItsBegin) {
 
 TEST(PathCursorTest, TellsOfJumps) {
   const JointPath path = pathThrough({{0.0, 0.0}, {1.0, 0.5}, {1.0, 0.6}, {2.0, 0.7}});
-  PathCursor cursor;
+  PathCursor cursor(2);
   cursor.start(path, kArms);
   ASSERT_TRUE(cursor.moveTo(0.9));
   EXPECT_FALSE(cursor.hasJumped(0.1));
@@ -58,7 +58,7 @@ TEST(PathCursorTest, TellsOfJumps) {
 
 TEST(PathCursorTest, OfAPathOfOnePointThereIsOnlyTheBegin) {
   const JointPath path = pathThrough({{0.5, 0.3}});
-  PathCursor cursor;
+  PathCursor cursor(2);
   cursor.start(path, kArms);
   EXPECT_TRUE(cursor.moveTo(0.0));
   EXPECT_EQ(cursor.positions()[0], 0.3);
