@@ -144,24 +144,35 @@ class MonotoneTest : public ::testing::Test {
     return answer;
   }
 
-  [[nodiscard]] static UprightBox obstacle(Random& random) {
-    const Vector3 low(random.uniform(-0.5, 0.8), random.uniform(-0.5, 0.5), 0.0);
-    const double bottom = random.uniform(0.0, 0.4);
+  /// Anywhere, or where a primitive is to be within the next 0.6 s.
+  [[nodiscard]] static UprightBox obstacle(const Scene& scene, Random& random) {
     const Vector3 size(random.uniform(0.005, 0.1), random.uniform(0.005, 0.15),
                        random.uniform(0.02, 0.3));
-    return {Vector3(low.x(), low.y(), bottom), Vector3(low.x(), low.y(), bottom) + size};
+    Vector3 low(random.uniform(-0.5, 0.8), random.uniform(-0.5, 0.5), random.uniform(0.0, 0.4));
+    if (random.chance(0.7)) {
+      Kinematics kinematics(scene.model);
+      std::vector<double> positions = scene.positions;
+      const double time_s = random.uniform(0.2, 0.6);
+      for (std::size_t v = 0; v < positions.size(); ++v) {
+        positions[v] += time_s * scene.velocities[v];
+      }
+      const auto& poses = kinematics.update(positions, kAtOrigin).T_fixed_shapes;
+      const auto shape = static_cast<std::size_t>(random.integer(0, 2));
+      low = poses[shape].translation() - 0.5 * size + random.point(0.08);
+    }
+    return {low, low + size};
   }
 
   Scene scene(Random& random) const {
     Scene scene;
     scene.model = random.chance(0.5) ? rails_ : arm_;
-    const int obstacles = random.integer(1, 3);
-    for (int i = 0; i < obstacles; ++i) scene.obstacles.push_back(obstacle(random));
     const double fast = random.chance(0.2) ? 3.0 : 0.8;
     for (std::size_t v = 0; v < scene.model->variables().size(); ++v) {
       scene.positions.push_back(random.uniform(-0.4, 0.4));
       scene.velocities.push_back(random.chance(0.2) ? 0.0 : random.uniform(-fast, fast));
     }
+    const int obstacles = random.integer(1, 3);
+    for (int i = 0; i < obstacles; ++i) scene.obstacles.push_back(obstacle(scene, random));
     const std::vector<std::string>& links = scene.model->links();
     scene.links = {links[1 + static_cast<std::size_t>(random.integer(0, 1))]};
     if (random.chance(0.5)) scene.links = {links.begin() + 1, links.end()};
@@ -185,10 +196,10 @@ class MonotoneTest : public ::testing::Test {
 
 TEST_F(MonotoneTest, OfTenThousandScenesNoneIsJudgedMilderForMore) {
   Random random(19);
-  for (int i = 0; i < 2100; ++i) {
+  for (int i = 0; i < 2300; ++i) {
     const Scene base = scene(random);
     Scene more = base;
-    for (int k = random.integer(1, 2); k > 0; --k) more.obstacles.push_back(obstacle(random));
+    for (int k = random.integer(1, 2); k > 0; --k) more.obstacles.push_back(obstacle(base, random));
     expectNeverMilder("obstacles", base, more);
 
     more = base;
@@ -198,7 +209,8 @@ TEST_F(MonotoneTest, OfTenThousandScenesNoneIsJudgedMilderForMore) {
     more = base;
     more.padding_m += random.uniform(0.001, 0.03);
     more.padding_m = 1e-3 * std::round(1e3 * more.padding_m);
-    expectNeverMilder("padding", base, more);
+    // What is in contact may come nearer by 2 mm before it recedes, what is not must not touch.
+    if (!judge(more).touches_now) expectNeverMilder("padding", base, more);
 
     more = base;
     const double faster = 1.0 + std::pow(10.0, random.uniform(-3.0, 0.5));
@@ -222,7 +234,7 @@ TEST_F(MonotoneTest, OfTenThousandScenesNoneIsJudgedMilderForMore) {
   int pairs = 0;
   for (const auto& [what, number] : pairs_) {
     pairs += number;
-    EXPECT_GT(changed_[what], number / 50) << what << ": it has to make a difference";
+    EXPECT_GT(changed_[what], number / 100) << what << ": it has to make a difference";
     RecordProperty(what, number);
   }
   EXPECT_GE(pairs, 10000);
