@@ -117,7 +117,7 @@ struct PoseFindings {
   bool occlusion = false;
 };
 
-/// The first contact along a way.
+/// A contact along a way.
 struct WayContact {
   Contact contact;              ///< of the model's shapes and the map's cuboids
   double time_s = 0.0;          ///< from the way's start
@@ -155,7 +155,7 @@ struct Verdict {
   Reason latched = Reason::kClear;  ///< what only a reset lifts
   PoseFindings now;
   PoseFindings ahead;                          ///< at the end of the way ahead
-  std::optional<WayContact> first_contact;     ///< along all ways ahead; from now on, at 0 s
+  std::optional<WayContact> first_contact;     ///< the gravest of all ways; from now on, at 0 s
   bool follows_trajectory = false;             ///< a commanded trajectory is one of the ways
   std::size_t way_poses = 0;                   ///< looked at between now and the end
   std::vector<LinkClearance> clearances = {};  ///< of the links with collision primitives

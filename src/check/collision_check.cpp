@@ -12,6 +12,10 @@ namespace {
 
 constexpr std::size_t kTest = 50;  // cuboids passed by in the time of an exact test
 
+bool isAmong(const std::vector<std::uint32_t>* cuboids, std::uint32_t cuboid) {
+  return cuboids && std::binary_search(cuboids->begin(), cuboids->end(), cuboid);
+}
+
 }  // namespace
 
 /// Looks for the cuboid nearest to a placed shape, from the rows of cells in its middle outwards,
@@ -19,11 +23,13 @@ constexpr std::size_t kTest = 50;  // cuboids passed by in the time of an exact 
 class NearestCuboidSearch {
  public:
   NearestCuboidSearch(const CollisionCheck& check, const CuboidMap& map, const Shape& shape,
-                      const Pose& T_fixed_shape, double nearer_than_m)
+                      const Pose& T_fixed_shape, double nearer_than_m,
+                      const std::vector<std::uint32_t>* but)
       : check_(check),
         map_(map),
         shape_(shape),
         T_fixed_shape_(T_fixed_shape),
+        but_(but),
         around_(bounds(shape, T_fixed_shape)),
         cells_a_metre_(1.0 / map.grid.config().cell_size_m) {
     setReach(nearer_than_m);
@@ -75,7 +81,7 @@ class NearestCuboidSearch {
       const double top = map_.grid.metres(cuboid.top);
       const double gap_x = gap(x, x + grid.cell_size_m, 0), gap_z = gap(bottom, top, 2);
       if (gap_x * gap_x + gap_y * gap_y + gap_z * gap_z >= reach_m_ * reach_m_) continue;
-      if (isBeyondAnyPlane(x, y, bottom, top)) continue;
+      if (isBeyondAnyPlane(x, y, bottom, top) || isAmong(but_, k)) continue;
       check_.work_ += kTest;
       const Separation apart = separation(shape_, T_fixed_shape_, map_.box(cuboid), reach_m_);
       addPlane(apart.direction);
@@ -134,6 +140,7 @@ class NearestCuboidSearch {
   const CuboidMap& map_;
   const Shape& shape_;
   const Pose& T_fixed_shape_;
+  const std::vector<std::uint32_t>* but_;
   UprightBox around_;
   double cells_a_metre_;
   double reach_m_ = 0.0;  ///< what is not nearer need not be looked at
@@ -211,10 +218,11 @@ void CollisionCheck::find(const CuboidMap& map, const Body& body,
 }
 
 std::optional<std::uint32_t> CollisionCheck::first(const CuboidMap& map, const Shape& shape,
-                                                   const Pose& T_fixed_shape,
-                                                   std::uint32_t index) const {
+                                                   const Pose& T_fixed_shape, std::uint32_t index,
+                                                   const std::vector<std::uint32_t>* but) const {
   std::optional<std::uint32_t> found;
-  visitContacts(map, shape, T_fixed_shape, index, [&found](std::uint32_t cuboid) {
+  visitContacts(map, shape, T_fixed_shape, index, [&found, but](std::uint32_t cuboid) {
+    if (isAmong(but, cuboid)) return true;
     found = cuboid;
     return false;
   });
@@ -223,8 +231,9 @@ std::optional<std::uint32_t> CollisionCheck::first(const CuboidMap& map, const S
 
 std::optional<NearestCuboid> CollisionCheck::nearest(const CuboidMap& map, const Shape& shape,
                                                      const Pose& T_fixed_shape,
-                                                     double nearer_than_m) const {
-  return NearestCuboidSearch(*this, map, shape, T_fixed_shape, nearer_than_m).find();
+                                                     double nearer_than_m,
+                                                     const std::vector<std::uint32_t>* but) const {
+  return NearestCuboidSearch(*this, map, shape, T_fixed_shape, nearer_than_m, but).find();
 }
 
 }  // namespace tccm

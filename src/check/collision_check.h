@@ -46,15 +46,15 @@ class CollisionCheck {
   /// The contacts by shape, then by cell. @param contacts reused.
   void find(const CuboidMap& map, const Body& body, std::vector<Contact>& contacts) const;
   /// The first cuboid by cell that a shape touches.
-  /// @param index of the shape in the body, for exempt().
-  [[nodiscard]] std::optional<std::uint32_t> first(const CuboidMap& map, const Shape& shape,
-                                                   const Pose& T_fixed_shape,
-                                                   std::uint32_t index) const;
+  /// @param index of the shape in the body, for exempt(). @param but these, in rising order.
+  [[nodiscard]] std::optional<std::uint32_t> first(
+      const CuboidMap& map, const Shape& shape, const Pose& T_fixed_shape, std::uint32_t index,
+      const std::vector<std::uint32_t>* but = nullptr) const;
   /// The nearest cuboid that would count as a contact, regions apart, and is nearer than that; at
   /// distance 0 the first that was found to touch.
-  [[nodiscard]] std::optional<NearestCuboid> nearest(const CuboidMap& map, const Shape& shape,
-                                                     const Pose& T_fixed_shape,
-                                                     double nearer_than_m) const;
+  [[nodiscard]] std::optional<NearestCuboid> nearest(
+      const CuboidMap& map, const Shape& shape, const Pose& T_fixed_shape, double nearer_than_m,
+      const std::vector<std::uint32_t>* but = nullptr) const;
   /// What was done so far for the questions asked, in cuboids passed by; an exact test counts as 50
   /// of them. A measure of time that is the same in each replay.
   [[nodiscard]] std::size_t work() const { return work_; }

@@ -228,15 +228,19 @@ void CommandedTrajectories::makeWay(const JointSnapshot& joints, double horizon_
   makeWay(joints, joints.velocities, horizon_s, active_, path);
 }
 
-const Ways& CommandedTrajectories::findWays(const JointSnapshot& joints, double horizon_s) {
-  makeMeasuredWay(joints, horizon_s, ways_.measured);
-  ways_.has_contrary = !joints.contrary_velocities.empty();
+void CommandedTrajectories::lengthenWays(const JointSnapshot& joints, double until_s) {
+  makeMeasuredWay(joints, until_s, ways_.measured);
   if (ways_.has_contrary) {
     std::vector<Active> none;
-    makeWay(joints, joints.contrary_velocities, horizon_s, none, ways_.contrary);
+    makeWay(joints, joints.contrary_velocities, until_s, none, ways_.contrary);
   }
+  if (ways_.follows_trajectory) makeWay(joints, until_s, ways_.commanded);
+}
+
+const Ways& CommandedTrajectories::findWays(const JointSnapshot& joints, double horizon_s) {
+  ways_.has_contrary = !joints.contrary_velocities.empty();
   ways_.follows_trajectory = active();
-  if (ways_.follows_trajectory) makeWay(joints, horizon_s, ways_.commanded);
+  lengthenWays(joints, horizon_s);
   (ways_.follows_trajectory ? ways_.commanded : ways_.measured).positionsAt(horizon_s, ways_.end);
   return ways_;
 }

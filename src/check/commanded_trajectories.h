@@ -70,6 +70,8 @@ class CommandedTrajectories {
   void makeWay(const JointSnapshot& joints, double horizon_s, JointPath& path);
   /// @pre it has followed the robot.
   const Ways& findWays(const JointSnapshot& joints, double horizon_s);
+  /// Makes the ways longer; their end stays where it was at the horizon.
+  void lengthenWays(const JointSnapshot& joints, double until_s);
   /// What the last findWays() found.
   [[nodiscard]] const Ways& ways() const { return ways_; }
 

@@ -2,126 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "base/line_of.h"
-#include "geometry/distance.h"
 
 namespace tccm {
 namespace {
 
 constexpr double kEscape_s = 10.0;  // a way out may be as slow as this
-constexpr double kEscape_m = 0.05;  // that a primitive moves at most on the way looked at
-constexpr double kStep = 0.01;      // [m] between two poses
-constexpr std::size_t kPosesMax = 256;
-constexpr double kJump = 1e-6;    // [s]; a motion that is as short cannot be followed
-constexpr double kNoise = 0.002;  // [m] by which a distance may shrink without closing
-constexpr double kOpens = 0.003;  // [m] by which it has to grow over the way
 /// In the unit of CollisionCheck::work(): some 10 ms. A robot at its work takes a hundredth of it.
 constexpr std::size_t kWorkMax = 2'000'000;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
-
-MovingOut::MovingOut(std::shared_ptr<const CheckedRobot> robot)
-    : robot_(std::move(robot)),
-      body_(robot_->collision_body),
-      kinematics_(robot_->model),
-      bound_(*robot_->model, body_.shapes, body_.radii(0.0)),
-      contacts_max_(static_cast<std::size_t>(robot_->config.collision.contacts_max)) {
-  for (const std::size_t shape : body_.shapes) {
-    cores_.push_back(core(robot_->model->shapes()[shape].shape));
-  }
-  pairs_.reserve(contacts_max_);
-  least_m_.resize(body_.shapes.size());
-}
-
-void MovingOut::place(const Way& way, double time_s) {
-  way.path.positionsAt(time_s, positions_);
-  body_.place(kinematics_.update(positions_, way.T_fixed_roots));
-}
-
-double MovingOut::coreDistance(const CuboidMap& map, std::size_t shape,
-                               std::uint32_t cuboid) const {
-  return distance(cores_[shape], body_.body.poses[shape], map.box(map.cuboids[cuboid]));
-}
-
-bool MovingOut::closesAny(const CuboidMap& map) {
-  for (Pair& pair : pairs_) {
-    const double metres = coreDistance(map, pair.shape, pair.cuboid);
-    if (metres == 0.0 || metres < pair.last_m - kNoise) return true;
-    pair.last_m = std::max(pair.last_m, metres);
-  }
-  // Cuboids that came into reach since: not nearer than what touched before.
-  robot_->collision.find(map, body_.body, contacts_);
-  if (contacts_.size() >= contacts_max_) return true;  // not all of them are known
-  return std::any_of(contacts_.begin(), contacts_.end(), [&](const Contact& contact) {
-    const double least = least_m_[contact.shape];
-    if (least == kInfinity) return true;
-    // The padding may reach it, the primitive itself may not.
-    const UprightBox box = map.box(map.cuboids[contact.cuboid]);
-    const bool is_new = std::none_of(pairs_.begin(), pairs_.end(), [&](const Pair& pair) {
-      return pair.shape == contact.shape && pair.cuboid == contact.cuboid;
-    });
-    const Shape& bare = robot_->model->shapes()[body_.shapes[contact.shape]].shape;
-    if (is_new && distance(bare, body_.body.poses[contact.shape], box) == 0.0) return true;
-    return coreDistance(map, contact.shape, contact.cuboid) < least - kNoise;
-  });
-}
-
-double MovingOut::furthest(const JointPath& way, double from_s, double to_s) {
-  way.travelUntil(from_s, travel_from_);
-  way.travelUntil(to_s, travel_);
-  for (std::size_t v = 0; v < travel_.size(); ++v) travel_[v] -= travel_from_[v];
-  double metres = 0.0;
-  for (std::size_t i = 0; i < body_.shapes.size(); ++i) {
-    metres = std::max(metres, bound_.displacement(i, travel_));
-  }
-  return metres;
-}
-
-double MovingOut::timeOf(const JointPath& way, double metres) {
-  if (furthest(way, way.begin(), way.end()) <= metres) return way.end();
-  double before = way.begin(), after = way.end();
-  for (int i = 0; i < 20; ++i) {
-    const double middle = 0.5 * (before + after);
-    (furthest(way, way.begin(), middle) <= metres ? before : after) = middle;
-  }
-  return after;
-}
-
-bool MovingOut::closesBetween(const Way& way, double from_s, double to_s) {
-  if (furthest(way.path, from_s, to_s) > kStep) {
-    if (to_s - from_s < kJump) return true;
-    const double middle_s = 0.5 * (from_s + to_s);
-    return closesBetween(way, from_s, middle_s) || closesBetween(way, middle_s, to_s);
-  }
-  if (++poses_ > kPosesMax) return true;  // too fast to be looked at
-  place(way, to_s);
-  return closesAny(way.map);
-}
-
-bool MovingOut::opens(const Way& way, const std::vector<Contact>& contacts, double until_s,
-                      bool must_open) {
-  if (contacts.size() >= contacts_max_) return false;  // not all of them are known
-  place(way, way.path.begin());
-  pairs_.clear();
-  std::fill(least_m_.begin(), least_m_.end(), kInfinity);
-  for (const Contact& contact : contacts) {
-    const auto used = std::find(body_.shapes.begin(), body_.shapes.end(), contact.shape);
-    const auto shape = static_cast<std::size_t>(used - body_.shapes.begin());
-    const double metres = coreDistance(way.map, shape, contact.cuboid);
-    if (metres == 0.0) return false;
-    pairs_.push_back({shape, contact.cuboid, metres, metres});
-    least_m_[shape] = std::min(least_m_[shape], metres);
-  }
-  poses_ = 0;
-  if (closesBetween(way, way.path.begin(), until_s)) return false;
-  // Of each shape what was nearest has to recede; the rest must only not come nearer.
-  return !must_open || std::all_of(pairs_.begin(), pairs_.end(), [this](const Pair& pair) {
-    return pair.first_m > least_m_[pair.shape] || pair.last_m >= pair.first_m + kOpens;
-  });
-}
 
 void Braking::describe(ParameterTable& table) {
   table.add("reaction_time_s", &reaction_time_s, "s", {0.0, 2.0},
@@ -137,8 +28,8 @@ void Braking::describe(ParameterTable& table) {
 
 void ContactJudge::Config::describe(ParameterTable& table) {
   table.add("horizon_s", &horizon_s, "s", {0.0, 10.0},
-            "how far the way ahead is looked at (paper, section VI.B); not tuned below "
-            "`stop_time_s`",
+            "how far the way ahead is looked at (paper, section VI.B), further where halting takes "
+            "longer; not tuned below `stop_time_s`",
             Tunable::kYes);
   table.add("way_step_m", &step_m, "m", {1e-3, 1.0},
             "no primitive moves further between two poses that are looked at; a cell");
@@ -163,24 +54,72 @@ ContactJudge::ContactJudge(const std::shared_ptr<const CheckedRobot>& robot, con
                            const Braking& braking)
     : robot_(robot),
       config_(validated(config)),
-      way_(robot, config.step_m, braking.margin_max_m),
+      ahead_(robot, config.step_m, braking.margin_max_m),
       moving_out_(robot),
       escape_(robot->model->variables().size()) {}
 
 const ContactJudge::Findings& ContactJudge::judge(const Situation& situation, Causes& causes) {
-  delay_s_ = situation.braking.delay(toSeconds(situation.now - situation.joints.oldest));
-  const auto ahead = firstAhead(situation);
-  Cause coming = ahead ? causeOf(*ahead, situation.braking) : Cause();
-  findings_.first_contact = ahead;
-  findings_.touching = {};
+  lookAhead(situation);
+  const std::optional<WayAhead::Found>& touch = ahead_.touch();
+  const std::optional<WayAhead::Found>& margin = ahead_.margin();
+  findings_ = {};
+  if (touch || margin) findings_.first_contact = touch ? touch->contact : margin->contact;
   if (situation.here.collision) {
     // Where not all is known no way out is known either.
-    judgePresent(situation, !situation.known || coming.level == Level::kStop, causes);
+    judgePresent(situation, !situation.known || (touch && touch->stops), causes);
   }
-  findings_.collision = situation.here.collision || (ahead && !ahead->by_margin);
-  if (ahead) causes.push_back(std::move(coming));
-  if (findings_.is_too_long) causes.push_back(tooLong(situation.joints));
+  findings_.collision = situation.here.collision || touch;
+  findings_.poses = ahead_.poses();
+  if (touch || margin) causes.push_back(causeOf(touch, margin));
+  if (ahead_.tooFast()) causes.push_back(tooFast(*ahead_.tooFast()));
+  if (ahead_.isTooLong()) causes.push_back(tooLong(situation.joints));
   return findings_;
+}
+
+void ContactJudge::lookAhead(const Situation& situation) {
+  const Braking& braking = situation.braking;
+  const double delay_s = braking.delay(toSeconds(situation.now - situation.joints.oldest));
+  const Posture& posture = situation.check_here.posture();
+  ahead_.begin({config_.horizon_s, config_.stop_time_s, config_.slow_scale_min, delay_s,
+                braking.deceleration_mps2},
+               situation.here.contacts, posture, kWorkMax);
+  const auto look = [&](const JointPath& path) {
+    const Way way{situation.map, path, posture.T_fixed_roots};
+    if (ahead_.lookAlong(way)) return;
+    situation.commanded.lengthenWays(situation.joints, ahead_.lookTimeMax());
+    static_cast<void>(ahead_.lookAlong(way));
+  };
+  const Ways& ways = situation.commanded.ways();
+  look(ways.measured);
+  if (ways.has_contrary) look(ways.contrary);
+  if (ways.follows_trajectory) look(ways.commanded);
+}
+
+/// Of what touches and what only comes too near, the graver; of both of one primitive the touch is
+/// named.
+Cause ContactJudge::causeOf(const std::optional<WayAhead::Found>& touch,
+                            const std::optional<WayAhead::Found>& margin) const {
+  const bool margin_counts = !touch || (margin && !touch->stops && margin->scale < touch->scale);
+  const double scale = margin_counts ? margin->scale : touch->scale;
+  const bool is_same =
+      touch && margin && touch->contact.contact.shape == margin->contact.contact.shape;
+  const WayContact& ahead = margin_counts && !is_same ? margin->contact : touch->contact;
+  const std::string& link = robot_->model->linkOf(ahead.contact.shape);
+  const std::string what = textOfContact(
+      *robot_->model, ahead.contact.shape,
+      ahead.by_margin ? " comes too near to the map for its speed" : " touches the map ahead");
+  const std::string text = lineOf("%.150s in %.0f ms", what.c_str(), 1e3 * ahead.time_s);
+  return touch && touch->stops ? Cause::stopping(Reason::kCollisionAhead, text, link)
+                               : Cause::slowing(Reason::kCollisionAhead, scale, text, link);
+}
+
+Cause ContactJudge::tooFast(const WayAhead::TooFast& part) const {
+  const std::string& link = robot_->model->linkOf(part.shape);
+  return Cause::slowing(
+      Reason::kSpeedGoverned, part.scale,
+      lineOf("%.100s moves at %.3g m/s: it halts within the %.3g s that are looked ahead at %.3g",
+             link.c_str(), part.speed_mps, part.looked_s, part.scale * part.speed_mps),
+      link);
 }
 
 Cause ContactJudge::tooLong(const JointSnapshot& joints) const {
@@ -194,42 +133,6 @@ Cause ContactJudge::tooLong(const JointSnapshot& joints) const {
           lineOf("the way ahead is too long to judge in time: joint '%.100s' moves at %.3g %s/s",
                  robot_->model->variables()[v].name.c_str(), joints.velocities[v],
                  robot_->model->slides(v) ? "m" : "rad")};
-}
-
-std::optional<WayContact> ContactJudge::along(const Way& way) {
-  way_.setMargins(way, 0.0, config_.horizon_s, delay_s_);
-  auto grown = way_.firstContact(way, 0.0, config_.horizon_s);
-  findings_.poses += way_.poses();
-  if (!grown) return std::nullopt;
-  way_.clearMargins();
-  const auto found = way_.firstContact(way, 0.0, config_.horizon_s);
-  findings_.poses += way_.poses();
-  grown->by_margin = true;
-  return found ? found : grown;
-}
-
-/// Of two first contacts the graver: a touch before one of the margin alone, then the earlier.
-std::optional<WayContact> ContactJudge::graver(const std::optional<WayContact>& one,
-                                               const std::optional<WayContact>& other) {
-  if (!one || !other) return one ? one : other;
-  if (one->by_margin != other->by_margin) return one->by_margin ? other : one;
-  return other->time_s < one->time_s ? other : one;
-}
-
-std::optional<WayContact> ContactJudge::firstAhead(const Situation& situation) {
-  const std::vector<Pose>& T_fixed_roots = situation.check_here.posture().T_fixed_roots;
-  const Ways& ways = situation.commanded.ways();
-  way_.skip(situation.here.contacts);
-  way_.allow(kWorkMax);
-  findings_.poses = 0;
-  auto first = along({situation.map, ways.measured, T_fixed_roots});
-  if (ways.has_contrary)
-    first = graver(first, along({situation.map, ways.contrary, T_fixed_roots}));
-  if (ways.follows_trajectory) {
-    first = graver(first, along({situation.map, ways.commanded, T_fixed_roots}));
-  }
-  findings_.is_too_long = way_.isTooLong();
-  return first;
 }
 
 void ContactJudge::judgePresent(const Situation& situation, bool is_blocked, Causes& causes) {
@@ -248,44 +151,22 @@ void ContactJudge::judgePresent(const Situation& situation, bool is_blocked, Cau
   }
 }
 
-Cause ContactJudge::causeOf(const WayContact& ahead, const Braking& braking) const {
-  const RobotModel& model = *robot_->model;
-  const std::string& link = model.linkOf(ahead.contact.shape);
-  const std::string what = textOfContact(
-      model, ahead.contact.shape,
-      ahead.by_margin ? " comes too near to the map for its speed" : " touches the map ahead");
-  const std::string text = lineOf("%.150s in %.0f ms", what.c_str(), 1e3 * ahead.time_s);
-  // A contact that comes sooner cannot be waited for.
-  const double halt_s =
-      config_.stop_time_s + delay_s_ + 0.5 * ahead.link_speed_mps / braking.deceleration_mps2;
-  if (!ahead.by_margin && ahead.time_s <= halt_s) {
-    return Cause::stopping(Reason::kCollisionAhead, text, link);
-  }
-  const double span_s = config_.horizon_s - halt_s;
-  const double share = span_s > 0.0 ? (ahead.time_s - halt_s) / span_s : 0.0;
-  return Cause::slowing(Reason::kCollisionAhead, std::clamp(share, config_.slow_scale_min, 1.0),
-                        text, link);
-}
-
+/// As it is commanded, and measured not to do the contrary; without a trajectory as it is measured.
+/// Looked at is the way of the next centimetres, however slow it is.
 bool ContactJudge::movesOut(const Situation& situation) {
-  const bool follows = situation.commanded.ways().follows_trajectory;
-  const Way way{situation.map, escape_, situation.check_here.posture().T_fixed_roots};
-  const auto opensAlong = [&](const Way& along, bool must_open) {
-    return moving_out_.opens(along, situation.here.contacts,
-                             moving_out_.timeOf(along.path, kEscape_m), must_open);
+  CommandedTrajectories& commanded = situation.commanded;
+  const bool follows = commanded.ways().follows_trajectory;
+  const std::vector<Pose>& T_fixed_roots = situation.check_here.posture().T_fixed_roots;
+  const auto opensAlong = [&](const JointPath& path, bool must_open) {
+    return moving_out_.opens({situation.map, path, T_fixed_roots}, situation.here.contacts,
+                             must_open);
   };
-  const auto opens = [&](bool must_open) { return opensAlong(way, must_open); };
-  const JointPath& contrary = situation.commanded.ways().contrary;
-  if (situation.commanded.ways().has_contrary &&
-      !opensAlong({way.map, contrary, way.T_fixed_roots}, false)) {
-    return false;
-  }
-  situation.commanded.makeMeasuredWay(situation.joints, follows ? config_.horizon_s : kEscape_s,
-                                      escape_);
-  if (!opens(!follows)) return false;
+  if (commanded.ways().has_contrary && !opensAlong(commanded.ways().contrary, false)) return false;
+  commanded.makeMeasuredWay(situation.joints, follows ? config_.horizon_s : kEscape_s, escape_);
+  if (!opensAlong(escape_, !follows)) return false;
   if (!follows) return true;
-  situation.commanded.makeWay(situation.joints, kEscape_s, escape_);
-  return opens(true);
+  commanded.makeWay(situation.joints, kEscape_s, escape_);
+  return opensAlong(escape_, true);
 }
 
 }  // namespace tccm

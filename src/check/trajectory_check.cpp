@@ -34,7 +34,7 @@ TrajectoryCheck::TrajectoryCheck(const std::shared_ptr<const CheckedRobot>& robo
     : robot_(robot),
       config_(validated(config)),
       pose_(robot, old_periods),
-      way_(robot, config.step_m, 0.0),
+      way_(robot, config.step_m),
       clearance_radius_m_(clearance_radius_m),
       path_(robot->model->variables().size()) {}
 

@@ -10,23 +10,18 @@
 namespace tccm {
 namespace {
 
-constexpr std::size_t kDepthMax = 24;  // halvings; a way of a kilometre in steps of 0.1 mm
-constexpr int kSpeedSamples = 4;
+constexpr std::size_t kDepthMax = 24;     // halvings; a way of a kilometre in steps of 0.1 mm
 constexpr std::size_t kWorkOfJoint = 20;  // in cuboids passed by: to place its link, or a shape
 constexpr std::size_t kWorkOfShape = 30;  // what is asked of a shape beside its cuboids
 constexpr double kTouching = 1e-6;        // [m] that count as nothing
 
 }  // namespace
 
-WayCheck::WayCheck(std::shared_ptr<const CheckedRobot> robot, double step_m, double margin_max_m)
+WayCheck::WayCheck(std::shared_ptr<const CheckedRobot> robot, double step_m)
     : robot_(std::move(robot)),
       body_(robot_->collision_body),
-      grown_(body_),
-      margin_max_m_(margin_max_m),
-      speeds_mps_(body_.shapes.size(), 0.0),
-      skipped_(body_.shapes.size(), false),
       kinematics_(robot_->model),
-      bound_(*robot_->model, body_.shapes, body_.radii(margin_max_m)),
+      bound_(*robot_->model, body_.shapes, body_.radii(0.0)),
       reach_max_m_(0.5 * step_m),
       near_(kDepthMax + 1),
       known_(body_.shapes.size()),
@@ -36,36 +31,6 @@ WayCheck::WayCheck(std::shared_ptr<const CheckedRobot> robot, double step_m, dou
   for (Known& known : known_) known.travel.resize(variables);
   for (auto* values : {&positions_, &travel_, &travel_from_, &travel_to_, &reach_, &since_known_}) {
     values->resize(variables);
-  }
-}
-
-void WayCheck::skip(const std::vector<Contact>& contacts) {
-  for (std::size_t i = 0; i < skipped_.size(); ++i) {
-    skipped_[i] = std::any_of(contacts.begin(), contacts.end(), [&](const Contact& contact) {
-      return contact.shape == body_.shapes[i];
-    });
-  }
-}
-
-void WayCheck::setMargins(const Way& way, double from_s, double to_s, double per_speed_s) {
-  std::fill(speeds_mps_.begin(), speeds_mps_.end(), 0.0);
-  const double step_s = (to_s - from_s) / kSpeedSamples;
-  for (int k = 0; step_s > 0.0 && k <= kSpeedSamples; ++k) {
-    way.path.positionsAt(from_s + k * step_s, positions_);
-    kinematics_.update(positions_, way.T_fixed_roots);
-    for (std::size_t i = 0; i < body_.shapes.size(); ++i) {
-      const Pose& pose = kinematics_.shapePoses()[body_.shapes[i]];
-      if (k > 0) {
-        const double moved =
-            displacement(body_.body.poses[i], pose, boundingRadius(body_.body.shapes[i]));
-        speeds_mps_[i] = std::max(speeds_mps_[i], moved / step_s);
-      }
-      body_.body.poses[i] = pose;
-    }
-  }
-  for (std::size_t i = 0; i < body_.shapes.size(); ++i) {
-    const double margin_m = std::min(per_speed_s * speeds_mps_[i], margin_max_m_);
-    grown_.body.shapes[i] = expanded(body_.body.shapes[i], {1.0, margin_m});
   }
 }
 
@@ -82,7 +47,7 @@ bool WayCheck::isExhausted() {
 void WayCheck::place(const Way& way, double time_s) {
   way.path.positionsAt(time_s, positions_);
   way.path.travelUntil(time_s, travel_);
-  grown_.place(kinematics_.update(positions_, way.T_fixed_roots));
+  body_.place(kinematics_.update(positions_, way.T_fixed_roots));
   ++poses_;
   work_ += kWorkOfJoint * (robot_->model->joints().size() + robot_->model->shapes().size());
 }
@@ -98,15 +63,15 @@ double WayCheck::knownClearance(std::uint32_t shape) {
 std::optional<Contact> WayCheck::touching(const Way& way, std::uint32_t shape) {
   if (knownClearance(shape) > 0.0) return std::nullopt;
   const auto cuboid =
-      robot_->collision.first(way.map, grown_.body.shapes[shape], grown_.body.poses[shape], shape);
+      robot_->collision.first(way.map, body_.body.shapes[shape], body_.body.poses[shape], shape);
   if (!cuboid) return std::nullopt;
   return Contact{shape, *cuboid};
 }
 
 bool WayCheck::comesNear(const Way& way, std::uint32_t shape, double metres) {
   Known& known = known_[shape];
-  const Shape& solid = grown_.body.shapes[shape];
-  const Pose& pose = grown_.body.poses[shape];
+  const Shape& solid = body_.body.shapes[shape];
+  const Pose& pose = body_.body.poses[shape];
   if (known.nearest) {
     const UprightBox box = way.map.box(way.map.cuboids[*known.nearest]);
     if (overlaps(expanded(solid, {1.0, metres}), pose, box)) return true;
@@ -120,8 +85,7 @@ bool WayCheck::comesNear(const Way& way, std::uint32_t shape, double metres) {
 
 std::optional<WayCheck::Found> WayCheck::at(const Way& way, double time_s) {
   place(way, time_s);
-  for (std::uint32_t shape = 0; shape < grown_.shapes.size(); ++shape) {
-    if (skipped_[shape]) continue;
+  for (std::uint32_t shape = 0; shape < body_.shapes.size(); ++shape) {
     if (const auto contact = touching(way, shape)) return Found{time_s, *contact};
   }
   return std::nullopt;
@@ -150,8 +114,8 @@ std::optional<WayCheck::Found> WayCheck::search(const Way& way, double from_s, d
     const bool is_jump = depth == kDepthMax && moved > reach_max_m_;
     std::optional<std::uint32_t> swept_cuboid;
     if (robot_->collision.exemptsAny() || is_jump) {
-      const Shape swept = expanded(grown_.body.shapes[shape], {1.0, moved});
-      swept_cuboid = robot_->collision.first(way.map, swept, grown_.body.poses[shape], shape);
+      const Shape swept = expanded(body_.body.shapes[shape], {1.0, moved});
+      swept_cuboid = robot_->collision.first(way.map, swept, body_.body.poses[shape], shape);
       if (!swept_cuboid) continue;
     }
     shapes[near++] = shape;
@@ -176,6 +140,7 @@ std::optional<WayCheck::Found> WayCheck::search(const Way& way, double from_s, d
 std::optional<WayContact> WayCheck::firstContact(const Way& way, double from_s, double to_s,
                                                  bool look_at_begin) {
   poses_ = 0;
+  bound_.cover(way.path);
   for (Known& known : known_) {
     known.clearance_m = 0.0;
     known.nearest.reset();
@@ -184,9 +149,7 @@ std::optional<WayContact> WayCheck::firstContact(const Way& way, double from_s, 
   if (look_at_begin) found = at(way, from_s);
   if (!found && to_s > from_s) {
     near_.front().clear();
-    for (std::uint32_t i = 0; i < grown_.shapes.size(); ++i) {
-      if (!skipped_[i]) near_.front().push_back(i);
-    }
+    for (std::uint32_t i = 0; i < body_.shapes.size(); ++i) near_.front().push_back(i);
     found = search(way, from_s, to_s, 0);
     if (!found) found = at(way, to_s);
   }
@@ -195,9 +158,8 @@ std::optional<WayContact> WayCheck::firstContact(const Way& way, double from_s, 
   place(way, from_s);
   return WayContact{{static_cast<std::uint32_t>(body_.shapes[shape]), cuboid},
                     found->time_s - from_s,
-                    distance(grown_.body.shapes[shape], grown_.body.poses[shape],
-                             way.map.box(way.map.cuboids[cuboid])),
-                    speeds_mps_[shape]};
+                    distance(body_.body.shapes[shape], body_.body.poses[shape],
+                             way.map.box(way.map.cuboids[cuboid]))};
 }
 
 }  // namespace tccm

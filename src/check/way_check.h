@@ -8,6 +8,7 @@
 
 #include "check/pose_check.h"
 #include "robot/joint_path.h"
+#include "robot/motion_bound.h"
 
 namespace tccm {
 
@@ -20,17 +21,7 @@ namespace tccm {
 class WayCheck {
  public:
   /// @param step_m no primitive moves further between two poses that are looked at.
-  /// @param margin_max_m none is larger.
-  WayCheck(std::shared_ptr<const CheckedRobot> robot, double step_m, double margin_max_m);
-
-  /// How fast each primitive moves at most along the way, from poses a quarter of it apart, and how
-  /// much it grows by for that. Lasts until the next call.
-  /// @param per_speed_s metres for each metre a second that the primitive moves at.
-  void setMargins(const Way& way, double from_s, double to_s, double per_speed_s);
-  /// Speeds stay known.
-  void clearMargins() { grown_.body.shapes = body_.body.shapes; }
-  /// Shapes of these contacts are not looked at until the next call.
-  void skip(const std::vector<Contact>& contacts);
+  WayCheck(std::shared_ptr<const CheckedRobot> robot, double step_m);
 
   /// The first contact from one instant of the way to another, both included.
   /// @param look_at_begin false: the pose at from_s is known to be free.
@@ -72,11 +63,7 @@ class WayCheck {
   [[nodiscard]] bool comesNear(const Way& way, std::uint32_t shape, double metres);
 
   std::shared_ptr<const CheckedRobot> robot_;
-  UsedBody body_;   ///< expanded as asked for
-  UsedBody grown_;  ///< and by the margin
-  double margin_max_m_;
-  std::vector<double> speeds_mps_;
-  std::vector<bool> skipped_;
+  UsedBody body_;
   Kinematics kinematics_;
   MotionBound bound_;
   double reach_max_m_;  ///< half a step

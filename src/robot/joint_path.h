@@ -27,6 +27,16 @@ class JointPath {
   [[nodiscard]] double begin() const { return times_.front(); }
   [[nodiscard]] double end() const { return times_.back(); }
 
+  /// One for each variable [rad or m]. Valid until the path changes.
+  [[nodiscard]] const double* positions(std::size_t point) const {
+    return positions_.data() + point * variables_;
+  }
+  /// How far each variable travels from the path's begin to a point, there and back added up.
+  [[nodiscard]] const double* travel(std::size_t point) const {
+    return travel_.data() + point * variables_;
+  }
+  [[nodiscard]] std::size_t variables() const { return variables_; }
+
   /// The positions at an instant; beyond the ends those of the ends. @pre not empty
   void positionsAt(double time_s, std::vector<double>& positions) const;
   /// How far each variable travels, there and back added up, from the path's begin to an instant.
@@ -75,25 +85,5 @@ class JointPath {
 bool makePath(const JointTrajectory& trajectory, const RobotModel& model,
               const std::vector<double>& from, double tolerance, JointPath& path,
               const std::vector<double>& velocities = {});
-
-/// How far any point of a primitive can move at most when the joints travel by given amounts: the
-/// sum over the joints of travel times lever arm, whatever the pose (as in Schwarzer, Saha,
-/// Latombe: Adaptive dynamic collision checking, IEEE T-RO 2005).
-class MotionBound {
- public:
-  /// @param shapes indices into the model's shapes. @param radii_m of each the radius around its
-  /// frame's origin that contains it, with whatever it grows by.
-  MotionBound(const RobotModel& model, const std::vector<std::size_t>& shapes,
-              const std::vector<double>& radii_m);
-
-  /// @param shape index into the shapes handed over. @param travel of each of the model's variables
-  /// [rad or m], not negative.
-  /// @return [m]
-  [[nodiscard]] double displacement(std::size_t shape, const std::vector<double>& travel) const;
-
- private:
-  std::size_t variables_;
-  std::vector<double> lever_arms_;  ///< shapes by variables
-};
 
 }  // namespace tccm

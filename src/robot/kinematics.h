@@ -36,4 +36,29 @@ class Kinematics {
   Posture posture_;
 };
 
+/// Forward kinematics of one link alone, for whoever asks of few links at many poses.
+class LinkChain {
+ public:
+  LinkChain(const RobotModel& model, std::size_t link);
+
+  /// Where the link is. @param positions and T_fixed_roots as Kinematics takes them.
+  [[nodiscard]] Pose place(const std::vector<double>& positions,
+                           const std::vector<Pose>& T_fixed_roots) const;
+  /// How many joints move it.
+  [[nodiscard]] std::size_t joints() const { return steps_.size(); }
+
+ private:
+  /// A joint that moves, with the fixed ones before it.
+  struct Step {
+    Pose T_parent_joint;
+    Vector3 axis;
+    bool turns;
+    std::size_t variable;
+    double multiplier, offset;
+  };
+  std::size_t root_ = 0;  ///< index into the model's roots
+  std::vector<Step> steps_;
+  Pose T_last_link_ = Pose::Identity();
+};
+
 }  // namespace tccm

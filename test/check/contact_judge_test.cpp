@@ -100,6 +100,86 @@ TEST_F(ContactJudgeTest, WhatOnlyTheMarginForItsSpeedTouchesSlowsDown) {
   EXPECT_TRUE(fast.first_contact->by_margin);
 }
 
+/// At 0.05 m/s after 0.40 s, at 1 m/s after 0.45 s: the slow hand can be waited for.
+TEST_F(ContactJudgeTest, OfTwoLinksTheGraverContactCountsNotTheEarlier) {
+  CuboidMap other_wall = clear_, both = post_;
+  for (CuboidMap* map : {&other_wall, &both}) {
+    test::addBlock(*map, {Vector3(0.8, 0.3, 0.0), Vector3(0.9, 0.7, 0.7)});
+  }
+  const auto judged = [this](const CuboidMap& map) {
+    remake();
+    setRoot(kStart);
+    checker_->addJoints(at(kStart), at(kStart), {"slide", "glide"},
+                        {kTouches + 1e-4 - 0.40 * 0.05, kTouches + 1e-4 - 0.45}, {0.05, 1.0});
+    setMap(kStart, map);
+    return check(kStart);
+  };
+  EXPECT_EQ(judged(post_).level, Level::kSlow);
+  EXPECT_EQ(judged(other_wall).level, Level::kStop);
+  const Verdict verdict = judged(both);
+  EXPECT_EQ(verdict.level, Level::kStop);
+  EXPECT_EQ(verdict.reason, Reason::kCollisionAhead);
+  EXPECT_EQ(verdict.link, "other");
+}
+
+/// The wall begins 10 mm beside the padded hand, which has a margin of 15 mm.
+TEST_F(ContactJudgeTest, APostAheadDoesNotHideAWallWithinTheMargin) {
+  CuboidMap wall = clear_, both = post_;
+  for (CuboidMap* map : {&wall, &both}) {
+    test::addBlock(*map, {Vector3(-0.5, 0.101, 0.3), Vector3(0.79, 0.19, 0.7)});
+  }
+  const auto judged = [this](const CuboidMap& map) {
+    remake();
+    checker_->setLatency(0.03);
+    feedAndCheck(kStart - 1.0, clear_, 0.56);
+    return feedAndCheck(kStart, map, kTouches + 1e-4 - 0.49 * 0.3, 0.3);
+  };
+  EXPECT_NEAR(judged(wall).speed_scale, 0.1, 1e-9);
+  const Verdict post = judged(post_);
+  EXPECT_EQ(post.level, Level::kSlow);
+  EXPECT_GT(post.speed_scale, 0.7);
+  const Verdict verdict = judged(both);
+  EXPECT_NEAR(verdict.speed_scale, 0.1, 1e-9);
+  EXPECT_TRUE(verdict.collision) << "the post is told all the same";
+  ASSERT_TRUE(verdict.first_contact);
+  EXPECT_FALSE(verdict.first_contact->by_margin);
+}
+
+/// Of the other, which may slide far.
+TEST_F(ContactJudgeTest, AFastLinkIsLookedAlongAsFarAsHaltingTakes) {
+  config_.evidence.unseen_fraction_max = 1.0;
+  CuboidMap wall = clear_;
+  test::addBlock(wall, {Vector3(0.8, 0.3, 0.0), Vector3(0.9, 0.7, 0.7)});
+  const auto comingFrom = [&](double metres, double speed) {
+    remake();
+    setRoot(kStart);
+    checker_->addJoints(at(kStart), at(kStart), {"slide", "glide"}, {0.0, kTouches - metres},
+                        {0.0, speed});
+    setMap(kStart, wall);
+    return check(kStart);
+  };
+  EXPECT_EQ(comingFrom(1.375, 2.5).level, Level::kStop) << "it halts within 1.61 m";
+  EXPECT_EQ(comingFrom(1.60, 2.5).reason, Reason::kCollisionAhead);
+  EXPECT_EQ(comingFrom(1.63, 2.5).level, Level::kSlow) << "within the margin of 50 mm";
+  EXPECT_EQ(comingFrom(1.67, 2.5).reason, Reason::kClear);
+  EXPECT_EQ(comingFrom(0.55, 1.0).reason, Reason::kClear) << "within the horizon that is 0.5 m";
+}
+
+TEST_F(ContactJudgeTest, BeyondWhatCanBeLookedAlongTheScaleIsWhatHaltsWithinIt) {
+  config_.evidence.unseen_fraction_max = 1.0;
+  config_.braking.deceleration_mps2 = 0.5;
+  remake();
+  feedAndCheck(kStart - 1.0, clear_);
+  setRoot(kStart);
+  checker_->addJoints(at(kStart), at(kStart), {"slide", "glide"}, {0.0, -4.0}, {0.0, 4.0});
+  setMap(kStart, clear_);
+  const Verdict& verdict = check(kStart);
+  EXPECT_EQ(verdict.reason, Reason::kSpeedGoverned);
+  // Within the 8 m of 2 s: v t + v^2 / 2a at 2.82 m/s.
+  const double allowed = 4.0 * verdict.speed_scale;
+  EXPECT_NEAR(0.02 * allowed + allowed * allowed / (2.0 * 0.5), 8.0, 1e-6);
+}
+
 TEST_F(ContactJudgeTest, TheAgeOfTheJointStatesCountsAsLatency) {
   EXPECT_EQ(touchingIn(0.46).level, Level::kSlow);
   setMap(kStart + 0.07, post_);

@@ -25,7 +25,7 @@ const std::vector<Pose> kAtOrigin{Pose::Identity()};
 WayCheck wayCheck(const std::shared_ptr<const RobotModel>& model, double padding_m, double step_m) {
   CollisionCheck::Config collision;
   collision.support_points = 1;
-  return {test::checked(model, LinkUse({1.0, padding_m}), collision), step_m, 0.1};
+  return {test::checked(model, LinkUse({1.0, padding_m}), collision), step_m};
 }
 
 /// An arm with a primitive of every kind that turns, bends and reaches over a small map.

@@ -32,10 +32,6 @@ std::shared_ptr<CheckedRobot> padded(const std::shared_ptr<const RobotModel>& mo
   collision.support_points = 1;
   return test::checked(model, LinkUse({1.0, padding_m}), collision);
 }
-WayCheck wayCheck(const std::shared_ptr<const RobotModel>& model, double padding_m = kPadding,
-                  double step_m = kStep, double margin_max_m = 0.1) {
-  return {padded(model, padding_m), step_m, margin_max_m};
-}
 
 /// The slider robot: padded, its balls reach 90 mm around (slide, 0, 0.5) and (glide, 0.5, 0.5).
 class WayCheckTest : public ::testing::Test {
@@ -68,7 +64,7 @@ class WayCheckTest : public ::testing::Test {
   std::shared_ptr<const RobotModel> model_ = test::sliderModel();
   CuboidMap map_ = test::emptyMap();
   std::shared_ptr<CheckedRobot> robot_ = padded(model_);
-  WayCheck check_{robot_, kStep, 0.1};
+  WayCheck check_{robot_, kStep};
 };
 
 TEST_F(WayCheckTest, AWayThatTouchesNothingIsFree) {
@@ -175,7 +171,7 @@ TEST_F(WayCheckTest, ACuboidWithoutSupportIsNoObstacle) {
   addBlock(map_, {Vector3(0.5, 0.0, 0.49), Vector3(0.52, 0.02, 0.51)}, 1);
   const JointPath path = way({{0.0, 0.0, 0.0}, {1.0, 0.9, 0.0}});
   EXPECT_TRUE(first(path));
-  WayCheck supported(test::checked(model_, LinkUse({1.0, kPadding}), {}), kStep, 0.1);
+  WayCheck supported(test::checked(model_, LinkUse({1.0, kPadding}), {}), kStep);
   EXPECT_FALSE(supported.firstContact({map_, path, kAtOrigin}, 0.0, 1.0));
 }
 
@@ -202,82 +198,6 @@ TEST_F(WayCheckTest, WhatLiesInARegionThatALinkMayTouchIsNoContactOfThatLink) {
   EXPECT_TRUE(first(path)) << "it is the other link that may touch it";
   robot_->collision.exempt({});
   EXPECT_TRUE(first(path));
-}
-
-/// The wall begins 120 or 140 mm beside the hand's middle, which has a padded radius of 90 mm.
-TEST_F(WayCheckTest, AMarginForItsSpeedMakesALinkLarger) {
-  const JointPath path = way({{0.0, 0.0, 0.0}, {1.0, 0.4, 0.15}});
-  const auto touches = [&](double y, double per_speed_s, double most_m = 0.1) {
-    WayCheck check = wayCheck(model_, kPadding, kStep, most_m);
-    CuboidMap map = test::emptyMap();
-    addBlock(map, {Vector3(0.0, y, 0.3), Vector3(1.0, y + 0.1, 0.7)});
-    check.setMargins({map_, path, kAtOrigin}, 0.0, 1.0, per_speed_s);
-    return check.firstContact({map, path, kAtOrigin}, 0.0, 1.0).has_value();
-  };
-  EXPECT_TRUE(touches(0.12, 0.1)) << "0.4 m/s for 0.1 s are 40 mm";
-  EXPECT_FALSE(touches(0.14, 0.1));
-  EXPECT_FALSE(touches(0.12, 0.07)) << "28 mm";
-  EXPECT_TRUE(touches(0.14, 10.0, 0.06));
-  EXPECT_FALSE(touches(0.16, 10.0, 0.06)) << "no more than the most";
-  EXPECT_FALSE(touches(0.62, 0.1)) << "the other goes at 0.15 m/s";
-  EXPECT_TRUE(touches(0.60, 0.1));
-  EXPECT_FALSE(touches(0.12, 0.0));
-}
-
-TEST_F(WayCheckTest, MarginsLastUntilTheyAreClearedAndSpeedsBeyond) {
-  const JointPath path = way({{0.0, 0.0, 0.0}, {1.0, 0.4, 0.0}});
-  addBlock(map_, {Vector3(0.0, 0.12, 0.3), Vector3(1.0, 0.22, 0.7)});
-  EXPECT_FALSE(first(path));
-  check_.setMargins({map_, path, kAtOrigin}, 0.0, 1.0, 0.1);
-  const auto by_margin = first(path);
-  ASSERT_TRUE(by_margin);
-  EXPECT_NEAR(by_margin->link_speed_mps, 0.4, kRounding);
-  EXPECT_EQ(by_margin->distance_m, 0.0) << "with its margin";
-  EXPECT_TRUE(first(path));
-  check_.clearMargins();
-  EXPECT_FALSE(first(path));
-  addWall(0.4, 0.0);
-  const auto found = first(path);
-  ASSERT_TRUE(found);
-  EXPECT_NEAR(found->link_speed_mps, 0.4, kRounding);
-}
-
-TEST_F(WayCheckTest, TheFastestQuarterOfTheWayCounts) {
-  addWall(0.9, 0.0);
-  const JointPath path = way({{0.0, 0.0, 0.0}, {0.25, 0.1, 0.0}, {0.5, 0.5, 0.0}, {1.0, 1.0, 0.0}});
-  check_.setMargins({map_, path, kAtOrigin}, 0.0, 1.0, 0.01);
-  EXPECT_NEAR(first(path)->link_speed_mps, 1.6, kRounding);
-  check_.setMargins({map_, path, kAtOrigin}, 0.5, 1.0, 0.01);
-  EXPECT_NEAR(first(path)->link_speed_mps, 1.0, kRounding);
-}
-
-TEST_F(WayCheckTest, WhatTurnsIsAsFastAsItsOutermostPoint) {
-  const auto model = test::modelOf(
-      robotOf(linkOf("base") + linkOf("arm", collisionOf("<box size=\"0.8 0.1 0.1\"/>")) +
-              jointOf("turn", "continuous", "base", "arm",
-                      "<origin xyz=\"0.7 0 0.5\"/>" + axisOf("0 0 1"))));
-  WayCheck check = wayCheck(model, 0.0);
-  JointPath path(1);
-  path.add(0.0, {0.0});
-  path.add(0.5, {0.5});
-  addBlock(map_, {Vector3(0.6, 0.3, 0.3), Vector3(0.7, 0.4, 0.7)});
-  addBlock(map_, {Vector3(0.8, -0.4, 0.3), Vector3(1.4, 0.4, 0.7)});
-  check.setMargins({map_, path, kAtOrigin}, 0.0, 0.5, 0.0);
-  const auto found = check.firstContact({map_, path, kAtOrigin}, 0.0, 0.5);
-  ASSERT_TRUE(found);
-  EXPECT_NEAR(found->link_speed_mps, std::sqrt(0.4 * 0.4 + 2 * 0.05 * 0.05), 1e-6)
-      << "1 rad/s, a corner's distance from its middle";
-}
-
-TEST_F(WayCheckTest, ARobotAtRestHasNoMargin) {
-  const JointPath path = way({{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}});
-  addBlock(map_, {Vector3(0.0, 0.10, 0.3), Vector3(1.0, 0.2, 0.7)});
-  check_.setMargins({map_, path, kAtOrigin}, 0.0, 1.0, 10.0);
-  EXPECT_FALSE(first(path));
-  check_.setMargins({map_, path, kAtOrigin}, 0.5, 0.5, 10.0);
-  EXPECT_FALSE(first(path)) << "no time, no speed";
-  addWall(0.0, 0.0);
-  EXPECT_EQ(first(path)->link_speed_mps, 0.0);
 }
 
 TEST_F(WayCheckTest, InFreeSpaceAFewPosesAreEnough) {
@@ -329,7 +249,7 @@ class ThinWallTest : public test::CheckerFixture {
 TEST_F(ThinWallTest, IsMissedByACheckOfBothPosesAndFoundOnTheWayBetweenThem) {
   EXPECT_FALSE(pose(kFrom).collision);
   EXPECT_FALSE(pose(kTo).collision);
-  WayCheck way(test::checked(model_, config_.pose), 0.02, 0.0);
+  WayCheck way(test::checked(model_, config_.pose), 0.02);
   JointPath path(1);
   path.add(0.0, {kFrom});
   path.add(0.5, {kTo});

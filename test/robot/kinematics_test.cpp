@@ -116,6 +116,8 @@ void expectKdlsPoses(const std::string& text, unsigned seed) {
       const Pose expected = roots[static_cast<std::size_t>(found - names.begin())] * T_root_link;
       EXPECT_TRUE(test::isNearly(kinematics.linkPoses()[k], expected, kRounding))
           << model->links()[k];
+      EXPECT_TRUE(test::isNearly(LinkChain(*model, k).place(positions, roots), expected, kRounding))
+          << model->links()[k] << " alone";
     }
     for (std::size_t k = 0; k < model->shapes().size(); ++k) {
       const LinkShape& shape = model->shapes()[k];
