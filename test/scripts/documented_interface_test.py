@@ -24,8 +24,9 @@ PAGES = {"topic": ("interfaces.md", "controllers.md"), "service": ("interfaces.m
 OTHER_HEADS = ("option",)  # of tables whose rows begin with backticks and define none of these
 
 PUBLISHED = re.compile(r'(?:\badvertise|\bsubscribe|SubscribeOptions::create|Publisher|Subscriber)'
-                       r'(?:<[^<>()]*>)?\(\s*"([^"/][^"]*)"')
-SERVED = re.compile(r'\badvertiseService(?:<[^<>()]*>)?\(\s*"([^"/][^"]*)"')
+                       r'(?:<[^<>()]*>)?\(\s*(?:\w+(?:\(\))?,\s*)?"([^"/][^"]*)"')
+SERVED = re.compile(r'(?:\badvertiseService(?:<[^<>()]*>)?\(|\bserve\(\s*\w+(?:\(\))?,)'
+                    r'\s*"([^"/][^"]*)"')
 ENTRY = re.compile(r"^\s*[\w/]+(?:\[\d*\])?\s+(\w+)\s*(=?)", re.MULTILINE)
 LINK = re.compile(r"\]\(([^()\s]+)\)")
 
