@@ -19,7 +19,6 @@ namespace tccm {
 /// What the last joint states say of every variable at once.
 struct JointSnapshot {
   Time oldest;                    ///< stamp of the joint heard of least recently
-  std::size_t oldest_joint = 0;   ///< that joint
   Time newest;                    ///< stamp of the joint heard of last
   std::vector<double> positions;  ///< [rad] or [m]
   /// Per second: the larger of the reported and the differentiated.
@@ -31,6 +30,7 @@ struct JointSnapshot {
   /// hold.
   std::vector<bool> beyond_lower = {};
   std::vector<bool> beyond_upper = {};
+  std::size_t oldest_joint = 0;  ///< the joint heard of least recently
 };
 
 /// Gathers joint states from messages that may each name only some of the joints, and keeps a short
