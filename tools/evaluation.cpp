@@ -18,7 +18,7 @@ Evaluation::Evaluation(const MonitorConfig& settings, std::shared_ptr<const Robo
     : monitor_(settings.monitor(), std::move(model)),
       observer_(std::move(observer)),
       fixed_frame_(withoutSlash(settings.assembler.fixed_frame)),
-      root_frames_(monitor_.hasRobot() ? monitor_.checker().model()->rootLinks()
+      root_frames_(monitor_.hasRobot() ? monitor_.checker().model()->rootFrames()
                                        : std::vector<std::string>()),
       transforms_(fromSeconds(settings.assembler.transform_gap_max_s)),
       source_(settings.assembler, monitor_.body() ? root_frames_ : std::vector<std::string>(),

@@ -146,7 +146,7 @@ void CollisionChecker::receiveTrajectory(
 }
 
 void CollisionChecker::receiveTransforms() {
-  const std::vector<std::string> roots = checker_->model()->rootLinks();
+  const std::vector<std::string> roots = checker_->model()->rootFrames();
   for (std::size_t i = 0; i < roots.size(); ++i) {
     const auto root = transforms_->newest(withoutSlash(config_.fixed_frame), roots[i]);
     if (root) checker_->setRootPose(i, root->stamp, root->pose, root->is_static);
@@ -155,7 +155,7 @@ void CollisionChecker::receiveTransforms() {
 
 void CollisionChecker::placeRootsInFixedFrame() {
   // Where fixed frame and a root are one, no transform has to be heard.
-  const std::vector<std::string> roots = checker_->model()->rootLinks();
+  const std::vector<std::string> roots = checker_->model()->rootFrames();
   for (std::size_t i = 0; i < roots.size(); ++i) {
     if (roots[i] != withoutSlash(config_.fixed_frame)) continue;
     checker_->setRootPose(i, Time(), Pose::Identity(), true);
