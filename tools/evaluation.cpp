@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "base/stopwatch.h"
+#include "check/model_agreement.h"
+#include "ros/agreement_transforms.h"
 #include "ros/conversions.h"
 
 namespace tccm {
@@ -32,6 +34,8 @@ void Evaluation::add(const sensor_msgs::LaserScan& message, const std::string& p
   moveClock(toTime(message.header.stamp), publisher);
   ++totals_.scans_received;
   monitor_.scanArrived(*now_, toTime(message.header.stamp));
+  const std::string frame = withoutSlash(message.header.frame_id);
+  if (monitor_.hasRobot()) monitor_.checker().agreement().watchSensor(frame);
   source_.add(fromMessage(message), message.header.frame_id, *now_);
   mapReady();
 }
@@ -122,6 +126,7 @@ void Evaluation::check() {
     const auto root = transforms_.newest(fixed_frame_, root_frames_[i]);
     if (root) checker.setRootPose(i, root->stamp, root->pose, root->is_static);
   }
+  checker.agreement().compare(*now_, transformsOf(transforms_));
   const Verdict& verdict = checker.check(*now_);
   ++totals_.checks;
   totals_.checks_unknown += verdict.known ? 0 : 1;

@@ -164,9 +164,7 @@ class RobotModel {
   [[nodiscard]] std::string frameOf(const std::string& link) const;
   [[nodiscard]] const std::vector<RobotJoint>& joints() const { return tree_.joints; }
   [[nodiscard]] const std::vector<JointVariable>& variables() const { return tree_.variables; }
-  [[nodiscard]] bool turnsFreely(std::size_t variable) const {
-    return tree_.turnsFreely(variable);
-  }
+  [[nodiscard]] bool turnsFreely(std::size_t variable) const { return tree_.turnsFreely(variable); }
   /// All links of the URDF that can be placed, monitored or not, to compare them with transforms. A
   /// trusted link is a root in it.
   [[nodiscard]] const JointTree& frames() const { return frames_; }
@@ -202,6 +200,8 @@ class RobotModel {
 
  private:
   void add(const std::string& link, const LinkGeometry& geometry);
+  [[nodiscard]] std::set<std::string> trustedAmong(const std::vector<std::string>& links,
+                                                   const Config& config);
 
   std::string name_;
   std::shared_ptr<const LinkSelector> selector_;

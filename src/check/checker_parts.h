@@ -50,6 +50,7 @@ struct Checker::Parts {
   std::shared_ptr<const RobotModel> bare_model;  ///< with empty hands
   std::vector<AttachedObject> attached;
   CheckInputs inputs;
+  ModelAgreement agreement;
   CommandedTrajectories commanded;
   Exemptions exemptions;
   Permission permission;

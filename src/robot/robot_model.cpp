@@ -57,7 +57,6 @@ RobotModel::RobotModel(const std::string& urdf_text, const Config& config,
   selector_->requireMatches(config.ignored_links, "ignored_links");
   selector_->requireMatches(config.capsule_links, "capsule_links");
   selector_->requireMatches(config.visual_links, "visual_links");
-  selector_->requireMatches(config.trusted_frames, "trusted_frames");
   GeometryReader reader(urdf, config, resources, *selector_);
   Links candidates;
   for (const auto& link : all_links) {
@@ -77,17 +76,33 @@ RobotModel::RobotModel(const std::string& urdf_text, const Config& config,
   if (monitored.empty()) {
     throw ConfigError("robot_description: no link to monitor has a collision element");
   }
-  JointFacts facts{config.fixed_joints, {}};
-  for (const auto& link : all_links) {
-    if (selector_->matches(config.trusted_frames, link->name)) facts.trusted.insert(link->name);
-  }
+  const JointFacts facts{config.fixed_joints, trustedAmong(namesOf(all_links), config)};
   tree_ = buildJointTree(*urdf.model, monitored, facts);
   frames_ = buildFrameTree(*urdf.model, facts);
-  warnings_ = tree_.warnings;
+  warnings_.insert(warnings_.end(), tree_.warnings.begin(), tree_.warnings.end());
   for (std::size_t i = 0; i < candidates.size(); ++i) add(candidates[i]->name, geometries[i]);
   cache_defect_ = reader.cacheDefect();
 } catch (const ConfigError& error) {
   throw ConfigError(printable(error.what(), kMessageMax));  // names may hold anything
+}
+
+/// They may be called as tf calls them, too.
+std::set<std::string> RobotModel::trustedAmong(const std::vector<std::string>& links,
+                                               const Config& config) {
+  std::set<std::string> trusted;
+  for (const std::string& entry : config.trusted_frames) {
+    bool means_one = false;
+    for (const std::string& link : links) {
+      if (!selector_->matches({entry}, link) && !selector_->matches({entry}, frameOf(link)))
+        continue;
+      trusted.insert(link);
+      means_one = true;
+    }
+    if (means_one) continue;
+    warnings_.push_back("trusted_frames: '" + entry +
+                        "' matches no link: what the URDF does not know is not compared anyway");
+  }
+  return trusted;
 }
 
 void RobotModel::add(const std::string& link, const LinkGeometry& geometry) {
@@ -227,8 +242,7 @@ bool JointTree::turnsFreely(std::size_t variable) const {
     return joint.motion == RobotJoint::Motion::kTranslation ||
            joint.multiplier != std::round(joint.multiplier);
   };
-  return !limits.lower && !limits.upper &&
-         std::none_of(joints.begin(), joints.end(), differs);
+  return !limits.lower && !limits.upper && std::none_of(joints.begin(), joints.end(), differs);
 }
 
 bool RobotModel::slides(std::size_t variable) const {
