@@ -37,6 +37,7 @@ void Evaluation::add(const sensor_msgs::LaserScan& message, const std::string& p
   const std::string frame = withoutSlash(message.header.frame_id);
   if (monitor_.hasRobot()) monitor_.checker().agreement().watchSensor(frame);
   source_.add(fromMessage(message), message.header.frame_id, *now_);
+  compareWithModel();
   mapReady();
 }
 
@@ -45,6 +46,7 @@ void Evaluation::add(const sensor_msgs::JointState& message, const std::string& 
   moveClock(stamp, publisher);
   monitor_.addJoints(*now_, stamp, message.name, message.position, message.velocity, publisher);
   mapReady();
+  compareWithModel();
   if (monitor_.hasRobot()) check();
 }
 
@@ -55,6 +57,11 @@ void Evaluation::add(const tf2_msgs::TFMessage& message, bool is_static) {
   }
   transforms_.add(message, is_static);
   if (now_) mapReady();
+}
+
+void Evaluation::compareWithModel() {
+  if (!monitor_.hasRobot()) return;
+  monitor_.checker().agreement().compare(*now_, transformsOf(transforms_));
 }
 
 void Evaluation::finish() {
@@ -126,7 +133,6 @@ void Evaluation::check() {
     const auto root = transforms_.newest(fixed_frame_, root_frames_[i]);
     if (root) checker.setRootPose(i, root->stamp, root->pose, root->is_static);
   }
-  checker.agreement().compare(*now_, transformsOf(transforms_));
   const Verdict& verdict = checker.check(*now_);
   ++totals_.checks;
   totals_.checks_unknown += verdict.known ? 0 : 1;

@@ -212,25 +212,26 @@ Json summaryOf(const Evaluation& evaluation, const MonitorConfig& settings) {
   const Totals& totals = evaluation.totals();
   const Json dropped = totals.scans_dropped.empty() ? Json::object() : Json(totals.scans_dropped);
   const bool any = totals.first_stamp && totals.last_stamp;
-  return {{"scans", totals.scans_mapped},
-          {"scans_received", totals.scans_received},
-          {"scans_dropped", dropped},
-          {"points", pointsOf(totals)},
-          {"map", mapOf(evaluation, settings)},
-          {"robot", robotOf(evaluation)},
-          {"agreement", agreementOf(evaluation, settings.checker.checker.agreement.tolerance_m)},
-          {"checks", totals.checks},
-          {"collision_fraction", fraction(totals.collisions, totals.checks)},
-          {"occlusion_fraction", fraction(totals.occlusions, totals.checks)},
-          {"stop_fraction", fraction(totals.stops, totals.checks)},
-          {"slow_fraction", fraction(totals.slows, totals.checks)},
-          {"unknown_fraction", fraction(totals.checks_unknown, totals.checks)},
-          {"sight", sightOf(totals, evaluation.monitor().map())},
-          {"stops", stopsOf(totals)},
-          {"time_jumps", totals.time_jumps},
-          {"duration_s", any ? Json(rounded(toSeconds(*totals.last_stamp - *totals.first_stamp)))
-                             : Json(nullptr)},
-          {"time_us", timesOf(totals.timings)}};
+  return {
+      {"scans", totals.scans_mapped},
+      {"scans_received", totals.scans_received},
+      {"scans_dropped", dropped},
+      {"points", pointsOf(totals)},
+      {"map", mapOf(evaluation, settings)},
+      {"robot", robotOf(evaluation)},
+      {"agreement", agreementOf(evaluation, settings.checker.checker.inputs.agreement.tolerance_m)},
+      {"checks", totals.checks},
+      {"collision_fraction", fraction(totals.collisions, totals.checks)},
+      {"occlusion_fraction", fraction(totals.occlusions, totals.checks)},
+      {"stop_fraction", fraction(totals.stops, totals.checks)},
+      {"slow_fraction", fraction(totals.slows, totals.checks)},
+      {"unknown_fraction", fraction(totals.checks_unknown, totals.checks)},
+      {"sight", sightOf(totals, evaluation.monitor().map())},
+      {"stops", stopsOf(totals)},
+      {"time_jumps", totals.time_jumps},
+      {"duration_s",
+       any ? Json(rounded(toSeconds(*totals.last_stamp - *totals.first_stamp))) : Json(nullptr)},
+      {"time_us", timesOf(totals.timings)}};
 }
 
 namespace {

@@ -19,7 +19,6 @@ void Checker::Config::describe(ParameterTable& table) {
   trajectory.describe(table);
   trajectories.describe(table);
   inputs.describe(table);
-  agreement.describe(table);
   permission.describe(table);
   exemptions.describe(table);
 }
@@ -46,7 +45,6 @@ Checker::Parts::Parts(std::shared_ptr<const RobotModel> model, const Config& new
     : config(validated(new_config)),
       bare_model(std::move(model)),
       inputs(bare_model, config.inputs),
-      agreement(bare_model, config.agreement),
       commanded(bare_model, config.trajectories),
       exemptions(config.exemptions),
       permission(config.permission),
@@ -62,7 +60,6 @@ void Checker::Parts::renew(const Config& new_config, std::vector<AttachedObject>
   config.braking.latency_s = latency_s;
   permission.reconfigure(config.permission);
   inputs.reconfigure(config.inputs);
-  agreement.reconfigure(config.agreement);
   attached = std::move(objects);
   judges = std::move(new_judges);
   exempt();
@@ -93,7 +90,6 @@ void Checker::Parts::forgetFindings() {
 
 void Checker::Parts::startAnew() {
   inputs.reset();
-  agreement.reset();
   commanded.clear();
   exemptions.clear();
   exempt();
@@ -119,7 +115,6 @@ const Verdict& Checker::Parts::check(Time now) {
   findings.touching = {};
   findings.window = map ? map->window : Duration::zero();
   inputs.appendCauses(now, findings.causes);
-  if (agreement.cause().level != Level::kOk) findings.causes.push_back(agreement.cause());
   if (clock_steps.goesToAndFro())
     findings.causes.emplace_back(Reason::kNoClock, clock_steps.text());
   verdict.known = findings.known = findings.causes.empty();
@@ -208,8 +203,6 @@ JointStates::Added Checker::addJoints(Time now, Time stamp, const std::vector<st
                                       const std::vector<double>& positions,
                                       const std::vector<double>& velocities,
                                       const std::string& publisher) {
-  const bool is_future = stamp - now > fromSeconds(parts_->config.inputs.future_max_s);
-  if (!is_future) parts_->agreement.addJoints(stamp, names, positions);
   return parts_->inputs.addJoints(now, stamp, names, positions, velocities, publisher);
 }
 
@@ -288,8 +281,8 @@ const CuboidMap* Checker::map() const { return parts_->inputs.map(); }
 const CheckTimes& Checker::times() const { return parts_->times; }
 CheckInputs& Checker::inputs() { return parts_->inputs; }
 const CheckInputs& Checker::inputs() const { return parts_->inputs; }
-ModelAgreement& Checker::agreement() { return parts_->agreement; }
-const ModelAgreement& Checker::agreement() const { return parts_->agreement; }
+ModelAgreement& Checker::agreement() { return parts_->inputs.agreement(); }
+const ModelAgreement& Checker::agreement() const { return parts_->inputs.agreement(); }
 const EvidenceCheck& Checker::evidence() const { return parts_->judges.evidence; }
 const PoseCheck& Checker::checkHere() const { return parts_->judges.here; }
 const PoseCheck& Checker::checkAhead() const { return parts_->judges.ahead; }

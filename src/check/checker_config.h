@@ -5,7 +5,6 @@
 #include "check/evidence_check.h"
 #include "check/exemptions.h"
 #include "check/governed_speed.h"
-#include "check/model_agreement.h"
 #include "check/permission.h"
 #include "check/trajectory_check.h"
 #include "tccm_monitor/checker.h"
@@ -15,7 +14,6 @@ namespace tccm {
 struct Checker::Config {
   CheckedRobot::Config pose;
   CheckInputs::Config inputs;
-  ModelAgreement::Config agreement;
   Braking braking;
   ContactJudge::Config way;
   EvidenceCheck::Config evidence;

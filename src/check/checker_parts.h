@@ -50,7 +50,6 @@ struct Checker::Parts {
   std::shared_ptr<const RobotModel> bare_model;  ///< with empty hands
   std::vector<AttachedObject> attached;
   CheckInputs inputs;
-  ModelAgreement agreement;
   CommandedTrajectories commanded;
   Exemptions exemptions;
   Permission permission;

@@ -398,6 +398,11 @@ TEST_F(ModelAgreementInCheckerTest, ADisagreementIsAFaultThatAwaitsAReset) {
   const Verdict& verdict = runTelling(0.05, 103.0, 106.0);
   EXPECT_EQ(verdict.reason, Reason::kModelDisagrees);
   EXPECT_EQ(verdict.link, "hand");
+  EXPECT_EQ(checker_->checkState(test::at(106.0), {"slide"}, {0.0}).cause.reason,
+            Reason::kModelDisagrees);
+  EXPECT_EQ(
+      checker_->checkTrajectory(test::at(106.0), {{"slide"}, {{0.0, {0.0}, {}, {}}}}).cause.reason,
+      Reason::kModelDisagrees);
   EXPECT_EQ(runTelling(0.0, 106.0, 110.0).reason, Reason::kAwaitingReset);
   EXPECT_EQ(checker_->reset(), "");
   EXPECT_EQ(runTelling(0.0, 110.0, 113.0).reason, Reason::kClear);
@@ -405,7 +410,7 @@ TEST_F(ModelAgreementInCheckerTest, ADisagreementIsAFaultThatAwaitsAReset) {
 
 TEST_F(ModelAgreementInCheckerTest, WithinTheToleranceItIsNone) {
   EXPECT_EQ(runTelling(0.029, 100.0, 103.0).reason, Reason::kClear);
-  config_.agreement.tolerance_m = 0.02;
+  config_.inputs.agreement.tolerance_m = 0.02;
   checker_->reconfigure(config_);
   EXPECT_EQ(runTelling(0.029, 103.0, 106.0).reason, Reason::kModelDisagrees);
 }
