@@ -123,7 +123,9 @@ TEST(ModelAgreementTest, ASensorThatIsMountedElsewhereOrTurnedIsAFault) {
       D.rotate(Eigen::AngleAxisd(random.uniform(0.1, 3.1), random.direction()));
     }
     telling.lie = displaced(kLaser, D);
-    const Heard heard = hear(telling, seed);
+    RobotModel::Config config;  // in which the laser is no link with a shape of its own
+    config.ignored_links = {kLaser};
+    const Heard heard = hear(telling, seed, config);
     EXPECT_TRUE(disagrees(heard)) << seed;
     EXPECT_EQ(heard.cause.link, kLaser) << seed;
   }
@@ -231,19 +233,21 @@ TEST(ModelAgreementTest, ATransformDatedFarAheadIsComparedWhereJointStatesAre) {
   EXPECT_TRUE(disagrees(hear(telling, 1, {}, 6.0)));
 }
 
-TEST(ModelAgreementTest, OneWrongTransformInTenIsNoFaultAndEveryOtherIsOne) {
+TEST(ModelAgreementTest, OneWrongTransformInSevenIsNoFaultAndEveryOtherIsOne) {
   for (unsigned seed = 0; seed < kMembers; ++seed) {
     Telling telling;
     int told = 0;
     const auto lie = displaced("left_palm_link", moved({0.0, 0.5, 0.0}));
     telling.tf_hz = 10.0;
-    const int every = seed % 2 == 0 ? 10 : 2;
+    const int every = seed % 2 == 0 ? 7 : 2;
     telling.lie = [&](const std::string& link, const Posture& posture, const Pose& truth) {
       if (link == "base_link") ++told;
       return told % every == 0 ? lie(link, posture, truth) : truth;
     };
     const Heard heard = hear(telling, seed, {}, 6.0);
-    EXPECT_EQ(heard.cause.reason, every == 2 ? Reason::kModelDisagrees : Reason::kClear) << seed;
+    bool did_disagree = false;
+    for (const auto& frame : heard.compared) did_disagree = did_disagree || frame.did_disagree;
+    EXPECT_EQ(did_disagree, every == 2) << seed;
   }
 }
 

@@ -5,12 +5,13 @@ Environment: as evaluate_test.py.
 """
 import copy
 import math
+import os
 import random
 import unittest
 
 from geometry_msgs.msg import Quaternion
 
-from evaluate_run import EvaluateTest
+from evaluate_run import CONFIGS, EvaluateTest
 from made_bag import CONFIG, LASER, URDF, Stream, transform
 from tf2_msgs.msg import TFMessage
 
@@ -154,6 +155,31 @@ class ModelTest(EvaluateTest):
                                                             math.cos(angle / 2))
             with self.subTest(seed=seed):
                 self.assertDisagrees(self.run_with(turn), "laser", 2.0 * math.sin(abs(angle) / 2))
+
+
+class OnRecordings(EvaluateTest):
+    """A Guardian whose base and laser tf has elsewhere than the URDF does; tf is right."""
+
+    def reasons(self, config, out):
+        data = os.environ.get("TCCM_SHARED_DATA", "")
+        bag = os.path.join(data, "bags", "guardian_tilting_hokuyo", "climbing_palette_facing_door.bag")
+        if not os.path.exists(bag):
+            self.skipTest("TCCM_SHARED_DATA names no folder of recordings")
+        urdf = os.path.join(data, "robots", "guardian_v7_tilt", "guardian_tracks.urdf")
+        summary = self.evaluate(bag, out=out, config=self.text("guardian.yaml", config), urdf=urdf)
+        return summary["agreement"], {row["reason"] for row in self.rows("verdicts", out)}
+
+    def test_the_shipped_configuration_trusts_tf_and_finds_no_contact(self):
+        with open(os.path.join(CONFIGS, "guardian.yaml"), encoding="utf-8") as file:
+            shipped = file.read()
+        agreement, reasons = self.reasons(shipped, "shipped")
+        self.assertEqual(agreement["disagree"], [])
+        self.assertFalse({"MODEL_DISAGREES", "COLLISION"} & reasons)
+        trusting = "  trusted_frames: [base_link, hokuyo_frontal_laser_link]\n"
+        self.assertIn(trusting, shipped)
+        agreement, reasons = self.reasons(shipped.replace(trusting, ""), "doubting")
+        self.assertIn("MODEL_DISAGREES", reasons)
+        self.assertIn("0.111 m off", agreement["first_disagreement"])
 
 
 if __name__ == "__main__":
