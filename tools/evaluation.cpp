@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "base/stopwatch.h"
+#include "check/model_agreement.h"
+#include "ros/agreement_transforms.h"
 #include "ros/conversions.h"
 
 namespace tccm {
@@ -18,7 +20,7 @@ Evaluation::Evaluation(const MonitorConfig& settings, std::shared_ptr<const Robo
     : monitor_(settings.monitor(), std::move(model)),
       observer_(std::move(observer)),
       fixed_frame_(withoutSlash(settings.assembler.fixed_frame)),
-      root_frames_(monitor_.hasRobot() ? monitor_.checker().model()->rootLinks()
+      root_frames_(monitor_.hasRobot() ? monitor_.checker().model()->rootFrames()
                                        : std::vector<std::string>()),
       transforms_(fromSeconds(settings.assembler.transform_gap_max_s)),
       source_(settings.assembler, monitor_.body() ? root_frames_ : std::vector<std::string>(),
@@ -32,7 +34,10 @@ void Evaluation::add(const sensor_msgs::LaserScan& message, const std::string& p
   moveClock(toTime(message.header.stamp), publisher);
   ++totals_.scans_received;
   monitor_.scanArrived(*now_, toTime(message.header.stamp));
+  const std::string frame = withoutSlash(message.header.frame_id);
+  if (monitor_.hasRobot()) monitor_.checker().agreement().watchSensor(frame);
   source_.add(fromMessage(message), message.header.frame_id, *now_);
+  compareWithModel();
   mapReady();
 }
 
@@ -41,6 +46,7 @@ void Evaluation::add(const sensor_msgs::JointState& message, const std::string& 
   moveClock(stamp, publisher);
   monitor_.addJoints(*now_, stamp, message.name, message.position, message.velocity, publisher);
   mapReady();
+  compareWithModel();
   if (monitor_.hasRobot()) check();
 }
 
@@ -51,6 +57,11 @@ void Evaluation::add(const tf2_msgs::TFMessage& message, bool is_static) {
   }
   transforms_.add(message, is_static);
   if (now_) mapReady();
+}
+
+void Evaluation::compareWithModel() {
+  if (!monitor_.hasRobot()) return;
+  monitor_.checker().agreement().compare(*now_, transformsOf(transforms_));
 }
 
 void Evaluation::finish() {

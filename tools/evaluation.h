@@ -122,6 +122,7 @@ class Evaluation {
   [[nodiscard]] const std::set<std::string>& frames() const { return frames_; }
 
  private:
+  void compareWithModel();
   void moveClock(Time stamp, const std::string& publisher);
   void resetAfterJump();
   /// Maps the scans whose transforms have come, and checks after each.

@@ -6,6 +6,8 @@
 #include <numeric>
 #include <set>
 
+#include "base/line_of.h"
+#include "check/model_agreement.h"
 #include "program.h"
 #include "report_figures.h"
 
@@ -88,6 +90,34 @@ Json robotOf(const Evaluation& evaluation) {
              {"joints_never_published", evaluation.missingJoints()}};
   if (!model.warnings().empty()) robot["warnings"] = model.warnings();
   return robot;
+}
+
+/// Where tf and the URDF with joint states put links and sensors.
+Json agreementOf(const Evaluation& evaluation, double tolerance_m) {
+  if (!evaluation.hasRobot()) return nullptr;
+  const ModelAgreement& agreement = evaluation.monitor().checker().agreement();
+  Json disagree = Json::array();
+  std::size_t compared = 0;
+  const ModelAgreement::Compared* worst = nullptr;
+  const auto frames = agreement.compared();
+  for (const auto& frame : frames) {
+    if (frame.comparisons == 0) continue;
+    ++compared;
+    if (!worst || frame.worst_m > worst->worst_m) worst = &frame;
+    if (!frame.did_disagree) continue;
+    disagree.push_back({{"link", frame.link},
+                        {"against", frame.reference},
+                        {"sensor", frame.is_sensor},
+                        {"beyond_fraction", fraction(frame.beyond, frame.comparisons)},
+                        {"worst_m", rounded(frame.worst_m)}});
+  }
+  return {{"tolerance_m", tolerance_m},
+          {"compared", compared},
+          {"worst_m", worst ? Json(rounded(worst->worst_m)) : Json(nullptr)},
+          {"worst_link", worst ? Json(worst->link) : Json(nullptr)},
+          {"disagree", disagree},
+          {"first_disagreement", agreement.firstDisagreement()},
+          {"not_compared", agreement.notCompared()}};
 }
 
 Json stopsOf(const Totals& totals) {
@@ -182,25 +212,42 @@ Json summaryOf(const Evaluation& evaluation, const MonitorConfig& settings) {
   const Totals& totals = evaluation.totals();
   const Json dropped = totals.scans_dropped.empty() ? Json::object() : Json(totals.scans_dropped);
   const bool any = totals.first_stamp && totals.last_stamp;
-  return {{"scans", totals.scans_mapped},
-          {"scans_received", totals.scans_received},
-          {"scans_dropped", dropped},
-          {"points", pointsOf(totals)},
-          {"map", mapOf(evaluation, settings)},
-          {"robot", robotOf(evaluation)},
-          {"checks", totals.checks},
-          {"collision_fraction", fraction(totals.collisions, totals.checks)},
-          {"occlusion_fraction", fraction(totals.occlusions, totals.checks)},
-          {"stop_fraction", fraction(totals.stops, totals.checks)},
-          {"slow_fraction", fraction(totals.slows, totals.checks)},
-          {"unknown_fraction", fraction(totals.checks_unknown, totals.checks)},
-          {"sight", sightOf(totals, evaluation.monitor().map())},
-          {"stops", stopsOf(totals)},
-          {"time_jumps", totals.time_jumps},
-          {"duration_s", any ? Json(rounded(toSeconds(*totals.last_stamp - *totals.first_stamp)))
-                             : Json(nullptr)},
-          {"time_us", timesOf(totals.timings)}};
+  return {
+      {"scans", totals.scans_mapped},
+      {"scans_received", totals.scans_received},
+      {"scans_dropped", dropped},
+      {"points", pointsOf(totals)},
+      {"map", mapOf(evaluation, settings)},
+      {"robot", robotOf(evaluation)},
+      {"agreement", agreementOf(evaluation, settings.checker.checker.inputs.agreement.tolerance_m)},
+      {"checks", totals.checks},
+      {"collision_fraction", fraction(totals.collisions, totals.checks)},
+      {"occlusion_fraction", fraction(totals.occlusions, totals.checks)},
+      {"stop_fraction", fraction(totals.stops, totals.checks)},
+      {"slow_fraction", fraction(totals.slows, totals.checks)},
+      {"unknown_fraction", fraction(totals.checks_unknown, totals.checks)},
+      {"sight", sightOf(totals, evaluation.monitor().map())},
+      {"stops", stopsOf(totals)},
+      {"time_jumps", totals.time_jumps},
+      {"duration_s",
+       any ? Json(rounded(toSeconds(*totals.last_stamp - *totals.first_stamp))) : Json(nullptr)},
+      {"time_us", timesOf(totals.timings)}};
 }
+
+namespace {
+
+void printAgreement(const Json& agreement, std::ostream& out) {
+  out << "tf       " << agreement["compared"] << " links and sensors compared with the URDF";
+  if (agreement["compared"] > 0) {
+    out << lineOf(", at most %.3f m apart (%.80s)", agreement["worst_m"].get<double>(),
+                  agreement["worst_link"].get<std::string>().c_str());
+  }
+  out << "; not compared: " << agreement["not_compared"].size() << "\n";
+  const auto first = agreement["first_disagreement"].get<std::string>();
+  if (!first.empty()) out << "warning  MODEL_DISAGREES: " << first << "\n";
+}
+
+}  // namespace
 
 void printSummary(const Json& summary, std::ostream& out) {
   const Json& map = summary["map"];
@@ -227,6 +274,7 @@ void printSummary(const Json& summary, std::ostream& out) {
     for (const auto& joint : robot["joints_never_published"]) {
       out << "warning  joint " << joint << " was never published\n";
     }
+    printAgreement(summary["agreement"], out);
   }
   out << "checks   " << summary["checks"] << ": stop " << percent(summary["stop_fraction"])
       << ", slow " << percent(summary["slow_fraction"]) << ", collision "

@@ -13,6 +13,7 @@ namespace tccm {
 
 class CheckInputs;
 class EvidenceCheck;
+class ModelAgreement;
 class PoseCheck;
 
 /// Wall times of a check's parts [us]; nothing that is decided depends on them.
@@ -107,6 +108,9 @@ class Checker {
   // For this package's own reports and pictures.
   [[nodiscard]] CheckInputs& inputs();
   [[nodiscard]] const CheckInputs& inputs() const;
+  /// Transforms are compared with the model there, and sensors named.
+  [[nodiscard]] ModelAgreement& agreement();
+  [[nodiscard]] const ModelAgreement& agreement() const;
   [[nodiscard]] const EvidenceCheck& evidence() const;
   [[nodiscard]] const PoseCheck& checkHere() const;
   [[nodiscard]] const PoseCheck& checkAhead() const;

@@ -76,6 +76,10 @@ struct JointTree {
   std::vector<JointVariable> variables;
   /// What is taken otherwise than it stands in the URDF, one line each.
   std::vector<std::string> warnings;
+
+  /// Whether a variable is the same after a whole turn: a rotation without limits, and no mimic of
+  /// it turns by a part of a turn meanwhile.
+  [[nodiscard]] bool turnsFreely(std::size_t variable) const;
 };
 
 /// What the robot holds: it moves with a link.
@@ -131,6 +135,8 @@ class RobotModel {
     std::vector<std::string> capsule_links;
     std::vector<std::string> visual_links;
     std::map<std::string, double> fixed_joints;
+    std::vector<std::string> trusted_frames;
+    std::string tf_prefix;
     std::string primitives_file;
     bool apply_mesh_up_axis = false;
     double link_size_max_m = 3.0;
@@ -152,11 +158,16 @@ class RobotModel {
   /// are floating or planar joints.
   [[nodiscard]] const std::vector<std::size_t>& roots() const { return tree_.roots; }
   [[nodiscard]] std::vector<std::string> rootLinks() const;
+  /// The same as transforms call them.
+  [[nodiscard]] std::vector<std::string> rootFrames() const;
+  /// What transforms call a link: with the prefix, and without a slash in front.
+  [[nodiscard]] std::string frameOf(const std::string& link) const;
   [[nodiscard]] const std::vector<RobotJoint>& joints() const { return tree_.joints; }
   [[nodiscard]] const std::vector<JointVariable>& variables() const { return tree_.variables; }
-  /// Whether a variable is the same after a whole turn: a rotation without limits, and no mimic of
-  /// it turns by a part of a turn meanwhile.
-  [[nodiscard]] bool turnsFreely(std::size_t variable) const;
+  [[nodiscard]] bool turnsFreely(std::size_t variable) const { return tree_.turnsFreely(variable); }
+  /// All links of the URDF that can be placed, monitored or not, to compare them with transforms. A
+  /// trusted link is a root in it.
+  [[nodiscard]] const JointTree& frames() const { return frames_; }
   /// Whether a variable is in metres: its own joint slides, or the first that mimics it.
   [[nodiscard]] bool slides(std::size_t variable) const;
   /// Whether the URDF has a joint of that name, also where it moves no monitored link.
@@ -189,10 +200,14 @@ class RobotModel {
 
  private:
   void add(const std::string& link, const LinkGeometry& geometry);
+  [[nodiscard]] std::set<std::string> trustedAmong(const std::vector<std::string>& links,
+                                                   const Config& config);
 
   std::string name_;
   std::shared_ptr<const LinkSelector> selector_;
   JointTree tree_;
+  JointTree frames_;
+  std::string tf_prefix_;
   std::vector<LinkShape> shapes_;
   std::vector<LinkElement> elements_;
   std::vector<std::string> links_without_shape_;

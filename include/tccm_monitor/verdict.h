@@ -32,6 +32,7 @@ enum class Reason : std::uint8_t {
   kBadTrajectory,      ///< what was commanded cannot be understood
   kMapOverflow,        ///< points were left out of the map
   kOutsideArea,        ///< nothing of the robot that moves is inside the map's area
+  kModelDisagrees,     ///< transforms put a link elsewhere than the URDF and joint states do
   kNoMap,              ///< no scan for too long
   kMapLate,            ///< scans come, but what is in the map is too old
   kSweepIncomplete,    ///< the tilt stands still, or turns too late or too early

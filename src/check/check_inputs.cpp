@@ -65,16 +65,21 @@ void CheckInputs::Config::describe(ParameterTable& table) {
             "a scan or joint state may lead the check by this");
   table.add("transform_future_max_s", &transform_future_max_s, "s", {0.0, 10.0},
             "the root's pose may lead it by this: many publishers date ahead");
+  agreement.describe(table);
 }
 
 CheckInputs::CheckInputs(std::shared_ptr<const RobotModel> model, const Config& config)
     : model_(std::move(model)),
       config_(validated(config)),
       joints_(*model_, config.joints),
+      agreement_(model_, config.agreement),
       roots_(model_->roots().size()),
       T_fixed_roots_(model_->roots().size(), Pose::Identity()) {}
 
-void CheckInputs::reconfigure(const Config& config) { config_ = validated(config); }
+void CheckInputs::reconfigure(const Config& config) {
+  config_ = validated(config);
+  agreement_.reconfigure(config.agreement);
+}
 
 JointStates::Added CheckInputs::addJoints(Time now, Time stamp,
                                           const std::vector<std::string>& names,
@@ -87,6 +92,7 @@ JointStates::Added CheckInputs::addJoints(Time now, Time stamp,
     future_lead_ = stamp - now;
     return {0, names.size()};
   }
+  agreement_.addJoints(stamp, names, positions);
   return joints_.add(stamp, names, positions, velocities, publisher);
 }
 
@@ -126,6 +132,7 @@ void CheckInputs::setMap(Time now, std::shared_ptr<const CuboidMap> map) {
 
 void CheckInputs::reset() {
   joints_.reset();
+  agreement_.reset();
   map_.reset();
   scan_period_s_.reset();
   report_arrival_.reset();
@@ -292,6 +299,7 @@ void CheckInputs::appendSensorCauses(Time now, std::vector<Cause>& causes) const
 void CheckInputs::appendCauses(Time now, std::vector<Cause>& causes) {
   appendRobotCauses(now, causes);
   appendSensorCauses(now, causes);
+  append(agreement_.cause(), causes);
   append(mapCause(now), causes);
   append(outside_, causes);
 }

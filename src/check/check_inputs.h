@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "check/model_agreement.h"
 #include "config/parameter_table.h"
 #include "robot/joint_states.h"
 #include "tccm_monitor/cuboid_map.h"
@@ -19,6 +20,7 @@ class CheckInputs {
   struct Config {
     std::string fixed_frame = "?";  ///< for what is told to people
     JointStates::Config joints;
+    ModelAgreement::Config agreement;
     double joint_timeout_s = 0.1;
     double transform_timeout_s = 0.5;
     double scan_timeout_periods = 3.0;
@@ -61,6 +63,8 @@ class CheckInputs {
   /// The result is valid until the next call; nothing while a joint is missing.
   [[nodiscard]] const JointSnapshot* joints() { return joints_.latest(); }
   [[nodiscard]] const JointStates& jointStates() const { return joints_; }
+  [[nodiscard]] ModelAgreement& agreement() { return agreement_; }
+  [[nodiscard]] const ModelAgreement& agreement() const { return agreement_; }
   [[nodiscard]] const std::vector<Pose>& rootPoses() const { return T_fixed_roots_; }
   [[nodiscard]] bool rootsKnown() const;
   /// Whether a root moves against the fixed frame, as a mobile base does.
@@ -91,6 +95,7 @@ class CheckInputs {
   std::shared_ptr<const RobotModel> model_;
   Config config_;
   JointStates joints_;
+  ModelAgreement agreement_;
   std::vector<std::optional<RootPose>> roots_;  ///< by the model's roots
   std::vector<Pose> T_fixed_roots_;
   std::shared_ptr<const CuboidMap> map_;

@@ -281,6 +281,8 @@ const CuboidMap* Checker::map() const { return parts_->inputs.map(); }
 const CheckTimes& Checker::times() const { return parts_->times; }
 CheckInputs& Checker::inputs() { return parts_->inputs; }
 const CheckInputs& Checker::inputs() const { return parts_->inputs; }
+ModelAgreement& Checker::agreement() { return parts_->inputs.agreement(); }
+const ModelAgreement& Checker::agreement() const { return parts_->inputs.agreement(); }
 const EvidenceCheck& Checker::evidence() const { return parts_->judges.evidence; }
 const PoseCheck& Checker::checkHere() const { return parts_->judges.here; }
 const PoseCheck& Checker::checkAhead() const { return parts_->judges.ahead; }

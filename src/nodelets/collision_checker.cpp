@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/stopwatch.h"
+#include "check/model_agreement.h"
 #include "nodelets/markers.h"
 #include "nodelets/status_conversions.h"
 #include "ros/conversions.h"
@@ -84,6 +85,7 @@ void CollisionChecker::setUp() {
   publish_timer_ = timer(1.0 / config_.publish_rate_hz, [this] {
     checker_->inputs().setClockStalls(clockStalls());
     attachments_->hurry();
+    compareWithModel();
     check();
     publish();
   });
@@ -115,7 +117,10 @@ void CollisionChecker::receiveMap(const tccm_monitor::CuboidMap::ConstPtr& messa
 
 void CollisionChecker::receiveReport(const tccm_monitor::ScanReport::ConstPtr& message) {
   fromMessage(*message, report_);
-  if (report_.outcome == ScanReport::Outcome::kWaiting) scan_rate_->tick(message->header.stamp);
+  if (report_.outcome == ScanReport::Outcome::kWaiting) {
+    scan_rate_->tick(message->header.stamp);
+    checker_->agreement().watchSensor(withoutSlash(message->header.frame_id));
+  }
   if (report_.outcome == ScanReport::Outcome::kDropped) countDrop(report_.dropped);
   if (report_.outcome == ScanReport::Outcome::kAssembled) assembled_ = *message;
   checker_->addScanReport(toTime(ros::Time::now()), report_);
@@ -146,7 +151,7 @@ void CollisionChecker::receiveTrajectory(
 }
 
 void CollisionChecker::receiveTransforms() {
-  const std::vector<std::string> roots = checker_->model()->rootLinks();
+  const std::vector<std::string> roots = checker_->model()->rootFrames();
   for (std::size_t i = 0; i < roots.size(); ++i) {
     const auto root = transforms_->newest(withoutSlash(config_.fixed_frame), roots[i]);
     if (root) checker_->setRootPose(i, root->stamp, root->pose, root->is_static);
@@ -155,7 +160,7 @@ void CollisionChecker::receiveTransforms() {
 
 void CollisionChecker::placeRootsInFixedFrame() {
   // Where fixed frame and a root are one, no transform has to be heard.
-  const std::vector<std::string> roots = checker_->model()->rootLinks();
+  const std::vector<std::string> roots = checker_->model()->rootFrames();
   for (std::size_t i = 0; i < roots.size(); ++i) {
     if (roots[i] != withoutSlash(config_.fixed_frame)) continue;
     checker_->setRootPose(i, Time(), Pose::Identity(), true);
@@ -349,6 +354,7 @@ void CollisionChecker::diagnose(diagnostic_updater::DiagnosticStatusWrapper& sta
   for (const auto& [reason, count] : scans_dropped_) status.add("scans dropped: " + reason, count);
   status.add("exemptions", checker_->exemptions().size());
   if (!transforms_->defect().empty()) status.add("tf", transforms_->defect());
+  diagnoseAgreement(status);
 }
 
 void CollisionChecker::diagnoseEvidence(diagnostic_updater::DiagnosticStatusWrapper& status) const {

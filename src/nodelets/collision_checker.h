@@ -46,6 +46,8 @@ class CollisionChecker : public DiagnosedNodelet {
   };
 
   void setUp() override;
+  /// Tells what is not compared with tf, as often as that becomes more.
+  void nowAndThen() override;
   void receiveMap(const tccm_monitor::CuboidMap::ConstPtr& message);
   void receiveReport(const tccm_monitor::ScanReport::ConstPtr& message);
   void countDrop(const std::string& reason);
@@ -53,6 +55,8 @@ class CollisionChecker : public DiagnosedNodelet {
   void receiveTrajectory(const trajectory_msgs::JointTrajectory::ConstPtr& message);
   void receiveTransforms();
   void placeRootsInFixedFrame();
+  /// Now and then, off the way from a scan to its verdict.
+  void compareWithModel();
   /// Checks, and publishes where it got worse. Whatever goes wrong is a fault.
   void check();
   void checkNow(const ros::Time& now);
@@ -76,6 +80,7 @@ class CollisionChecker : public DiagnosedNodelet {
   [[nodiscard]] bool clockStalls();
   void tellChange(const Verdict& verdict);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) override;
+  void diagnoseAgreement(diagnostic_updater::DiagnosticStatusWrapper& status) const;
   void diagnoseEvidence(diagnostic_updater::DiagnosticStatusWrapper& status) const;
 
   CheckerConfig config_;
@@ -113,6 +118,7 @@ class CollisionChecker : public DiagnosedNodelet {
   std::optional<Reason> told_;
   bool told_velocity_ = false;
   bool told_limit_ = false;
+  std::size_t told_not_compared_ = 0;
   Level published_ = Level::kFault;
 };
 

@@ -172,7 +172,7 @@ std::string numbersOf(const Verdict& verdict, const RobotModel& model) {
 void addText(const Verdict& verdict, const RobotModel& model, MarkerList& markers) {
   Marker& marker =
       markers.add("status", Marker::TEXT_VIEW_FACING, {0.0, 0.0, 0.05}, colorOf(verdict.level));
-  marker.header.frame_id = model.rootLinks().front();
+  marker.header.frame_id = model.rootFrames().front();
   marker.header.stamp = ros::Time();
   marker.pose.position.z = 1.7;
   marker.text = std::string(name(verdict.level)) + " " + name(verdict.reason);

@@ -32,7 +32,7 @@ class TiltScanAssembler : public DiagnosedNodelet {
     stage_ = std::make_unique<ScanStage>(config_.scan, model);
     transforms_ = std::make_unique<TransformHistory>(fromSeconds(config_.transform_gap_max_s));
     source_ = std::make_unique<ScanSource>(
-        config_, model ? model->rootLinks() : std::vector<std::string>(), *transforms_);
+        config_, model ? model->rootFrames() : std::vector<std::string>(), *transforms_);
     source_->onDrop([this](const ScanReport& report) { drop(report); });
     cloud_publisher_ = advertise<sensor_msgs::PointCloud2>(node(), "scan_cloud", 10);
     report_publisher_ = advertise<tccm_monitor::ScanReport>(node(), "scan_report", 50);

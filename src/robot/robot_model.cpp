@@ -50,6 +50,7 @@ RobotModel::RobotModel(const std::string& urdf_text, const Config& config,
   name_ = urdf.model->getName();
   for (const auto& joint : urdf.model->joints_) all_joints_.insert(joint.first);
   fixed_joints_ = config.fixed_joints;
+  tf_prefix_ = config.tf_prefix;
   const Links all_links = linksInOrder(*urdf.model);
   selector_ = std::make_shared<const LinkSelector>(config.link_groups, namesOf(all_links));
   selector_->requireMatches(config.monitored_links, "monitored_links");
@@ -75,12 +76,33 @@ RobotModel::RobotModel(const std::string& urdf_text, const Config& config,
   if (monitored.empty()) {
     throw ConfigError("robot_description: no link to monitor has a collision element");
   }
-  tree_ = buildJointTree(*urdf.model, monitored, config.fixed_joints);
-  warnings_ = tree_.warnings;
+  const JointFacts facts{config.fixed_joints, trustedAmong(namesOf(all_links), config)};
+  tree_ = buildJointTree(*urdf.model, monitored, facts);
+  frames_ = buildFrameTree(*urdf.model, facts);
+  warnings_.insert(warnings_.end(), tree_.warnings.begin(), tree_.warnings.end());
   for (std::size_t i = 0; i < candidates.size(); ++i) add(candidates[i]->name, geometries[i]);
   cache_defect_ = reader.cacheDefect();
 } catch (const ConfigError& error) {
   throw ConfigError(printable(error.what(), kMessageMax));  // names may hold anything
+}
+
+/// They may be called as tf calls them, too.
+std::set<std::string> RobotModel::trustedAmong(const std::vector<std::string>& links,
+                                               const Config& config) {
+  std::set<std::string> trusted;
+  for (const std::string& entry : config.trusted_frames) {
+    bool means_one = false;
+    for (const std::string& link : links) {
+      if (!selector_->matches({entry}, link) && !selector_->matches({entry}, frameOf(link)))
+        continue;
+      trusted.insert(link);
+      means_one = true;
+    }
+    if (means_one) continue;
+    warnings_.push_back("trusted_frames: '" + entry +
+                        "' matches no link: what the URDF does not know is not compared anyway");
+  }
+  return trusted;
 }
 
 void RobotModel::add(const std::string& link, const LinkGeometry& geometry) {
@@ -112,6 +134,13 @@ void RobotModel::Config::describe(ParameterTable& table) {
             "links whose visual geometry is taken in place of their collision elements");
   table.add("fixed_joints", &fixed_joints,
             "positions [rad or m] of joints that nobody publishes, as `{head_lock_joint: 0.0}`");
+  table.add("trusted_frames", &trusted_frames,
+            "links that tf places better than the URDF does: they are not compared with it, and "
+            "what hangs below them is compared from there on; one that no joint moves is placed "
+            "by tf");
+  table.add("tf_prefix", &tf_prefix,
+            "robot_state_publisher's: tf calls a link by it, a slash and the link's name; "
+            "`fixed_frame` is a name of tf");
   table.add("primitives_file", &primitives_file,
             "path or URI of primitives in place of links' own shapes, as fit_primitives writes it");
   table.add("apply_mesh_up_axis", &apply_mesh_up_axis,
@@ -131,6 +160,21 @@ std::vector<std::string> RobotModel::rootLinks() const {
   std::vector<std::string> names;
   for (const std::size_t root : tree_.roots) names.push_back(tree_.links[root]);
   return names;
+}
+
+std::vector<std::string> RobotModel::rootFrames() const {
+  std::vector<std::string> names;
+  for (const std::size_t root : tree_.roots) names.push_back(frameOf(tree_.links[root]));
+  return names;
+}
+
+/// As robot_state_publisher has it: a name that begins with a slash takes no prefix.
+std::string RobotModel::frameOf(const std::string& link) const {
+  const auto bare = [](const std::string& name) {
+    return name.substr(std::min(name.find_first_not_of('/'), name.size()));
+  };
+  const bool takes_prefix = !tf_prefix_.empty() && (link.empty() || link.front() != '/');
+  return takes_prefix ? bare(tf_prefix_ + "/" + link) : bare(link);
 }
 
 UsedShapes RobotModel::shapesFor(const LinkUse& use, const LinkUseKeys& keys) const {
@@ -191,15 +235,14 @@ RobotModel RobotModel::holding(const std::vector<AttachedObject>& objects) const
   return model;
 }
 
-bool RobotModel::turnsFreely(std::size_t variable) const {
-  const JointVariable& limits = tree_.variables[variable];
+bool JointTree::turnsFreely(std::size_t variable) const {
+  const JointVariable& limits = variables[variable];
   const auto differs = [variable](const RobotJoint& joint) {
     if (joint.motion == RobotJoint::Motion::kFixed || joint.variable != variable) return false;
     return joint.motion == RobotJoint::Motion::kTranslation ||
            joint.multiplier != std::round(joint.multiplier);
   };
-  return !limits.lower && !limits.upper &&
-         std::none_of(tree_.joints.begin(), tree_.joints.end(), differs);
+  return !limits.lower && !limits.upper && std::none_of(joints.begin(), joints.end(), differs);
 }
 
 bool RobotModel::slides(std::size_t variable) const {

@@ -113,16 +113,14 @@ Drive driveOf(const urdf::ModelInterface& urdf, const urdf::JointConstSharedPtr&
   return drive;
 }
 
-/// Whether transforms have to place the link.
-bool isRoot(const urdf::Link& link) {
-  return !link.parent_joint || !isPlacedByJointStates(*link.parent_joint);
-}
+/// Which of the trusted links are roots.
+enum class TrustedRoots { kUnmoved, kAll };
 
 class TreeBuilder {
  public:
-  TreeBuilder(const urdf::ModelInterface& urdf, const std::map<std::string, double>& fixed_joints)
-      : urdf_(urdf), fixed_joints_(fixed_joints) {
-    for (const auto& [joint, position] : fixed_joints_) requireMovable(joint, position);
+  TreeBuilder(const urdf::ModelInterface& urdf, const JointFacts& facts, TrustedRoots trusted_roots)
+      : urdf_(urdf), facts_(facts), trusted_roots_(trusted_roots) {
+    for (const auto& [joint, position] : facts_.fixed_joints) requireMovable(joint, position);
   }
 
   JointTree build(const std::vector<std::string>& monitored) {
@@ -138,7 +136,40 @@ class TreeBuilder {
     return std::move(tree_);
   }
 
+  JointTree buildAll() {
+    for (const auto& link : linksInOrder(urdf_)) {
+      const bool hangs = isRoot(*link) || link_indices_.count(link->getParent()->name) > 0;
+      if (!hangs) continue;
+      try {
+        addLink(*link);
+      } catch (const ConfigError&) {
+        // Of a monitored link it is a refusal elsewhere; of another nobody has to know.
+      }
+    }
+    return std::move(tree_);
+  }
+
  private:
+  /// Whether transforms have to place the link.
+  [[nodiscard]] bool isRoot(const urdf::Link& link) const {
+    if (!link.parent_joint || !isPlacedByJointStates(*link.parent_joint)) return true;
+    if (facts_.trusted.count(link.name) == 0) return false;
+    return trusted_roots_ == TrustedRoots::kAll || !isMoved(link);
+  }
+
+  /// Whether a joint moves the link against the root above it.
+  [[nodiscard]] bool isMoved(const urdf::Link& link) const {
+    const urdf::Link* at = &link;
+    for (; at->parent_joint && isPlacedByJointStates(*at->parent_joint);
+         at = at->getParent().get()) {
+      const urdf::Joint& above = *at->parent_joint;
+      const bool is_fixed =
+          above.type == urdf::Joint::FIXED || facts_.fixed_joints.count(above.name) > 0;
+      if (!is_fixed) return true;
+    }
+    return false;
+  }
+
   void requireMovable(const std::string& name, double position) const {
     const std::string key = "fixed_joints/" + name;
     const auto joint = urdf_.getJoint(name);
@@ -153,9 +184,21 @@ class TreeBuilder {
 
   void addLink(const urdf::Link& link) {
     const std::size_t index = tree_.links.size();
+    if (isRoot(link)) {
+      tree_.roots.push_back(index);
+    } else {
+      tree_.joints.push_back(jointAbove(link, index));
+    }
     tree_.links.push_back(link.name);
     link_indices_.emplace(link.name, index);
-    if (isRoot(link)) return tree_.roots.push_back(index);
+    if (!isRoot(link) && facts_.trusted.count(link.name) > 0) {
+      tree_.warnings.push_back("link '" + link.name +
+                               "': a joint moves it, so that it is checked where the URDF has it; "
+                               "trusted_frames only keeps it from being compared with tf");
+    }
+  }
+
+  RobotJoint jointAbove(const urdf::Link& link, std::size_t index) {
     const urdf::Joint& above = *link.parent_joint;
     RobotJoint joint;
     joint.name = above.name;
@@ -165,7 +208,7 @@ class TreeBuilder {
     joint.T_parent_joint =
         toPose(above.parent_to_joint_origin_transform, "joint '" + above.name + "'");
     if (joint.motion != RobotJoint::Motion::kFixed) addMotion(link.parent_joint, joint);
-    tree_.joints.push_back(joint);
+    return joint;
   }
 
   void addMotion(const urdf::JointConstSharedPtr& urdf_joint, RobotJoint& joint) {
@@ -186,8 +229,8 @@ class TreeBuilder {
     joint.axis /= length;
     joint.multiplier = drive.multiplier;
     joint.offset = drive.offset;
-    const auto fixed = fixed_joints_.find(drive.joint->name);
-    if (fixed == fixed_joints_.end()) {
+    const auto fixed = facts_.fixed_joints.find(drive.joint->name);
+    if (fixed == facts_.fixed_joints.end()) {
       joint.variable = variableIndex(*drive.joint);
       return;
     }
@@ -206,7 +249,8 @@ class TreeBuilder {
   }
 
   const urdf::ModelInterface& urdf_;
-  const std::map<std::string, double>& fixed_joints_;
+  const JointFacts& facts_;
+  TrustedRoots trusted_roots_;
   JointTree tree_;
   std::map<std::string, std::size_t> link_indices_;
   std::map<std::string, std::size_t> variable_indices_;
@@ -256,9 +300,12 @@ Pose toPose(const urdf::Pose& pose, const std::string& owner) {
 }
 
 JointTree buildJointTree(const urdf::ModelInterface& urdf,
-                         const std::vector<std::string>& monitored,
-                         const std::map<std::string, double>& fixed_joints) {
-  return TreeBuilder(urdf, fixed_joints).build(monitored);
+                         const std::vector<std::string>& monitored, const JointFacts& facts) {
+  return TreeBuilder(urdf, facts, TrustedRoots::kUnmoved).build(monitored);
+}
+
+JointTree buildFrameTree(const urdf::ModelInterface& urdf, const JointFacts& facts) {
+  return TreeBuilder(urdf, facts, TrustedRoots::kAll).buildAll();
 }
 
 }  // namespace tccm

@@ -4,6 +4,7 @@
 #include <urdf_world/types.h>
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -28,10 +29,20 @@ struct ReadUrdf {
 /// @throws ConfigError naming owner where it is not finite.
 [[nodiscard]] Pose toPose(const urdf::Pose& pose, const std::string& owner);
 
-/// @param monitored the links to be placed. @param fixed_joints positions of joints that are not
-/// heard of. @throws ConfigError naming the joint.
+/// What is known of a robot's joints beside its URDF.
+struct JointFacts {
+  std::map<std::string, double> fixed_joints;  ///< positions of joints that are not heard of
+  std::set<std::string> trusted;               ///< links that transforms place better than the URDF
+};
+
+/// A trusted link that no joint moves is a root. @param monitored the links to be placed.
+/// @throws ConfigError naming the joint.
 [[nodiscard]] JointTree buildJointTree(const urdf::ModelInterface& urdf,
                                        const std::vector<std::string>& monitored,
-                                       const std::map<std::string, double>& fixed_joints);
+                                       const JointFacts& facts);
+
+/// All links, to compare them with transforms: every trusted link is a root. Links below a joint
+/// that makes no sense are left out.
+[[nodiscard]] JointTree buildFrameTree(const urdf::ModelInterface& urdf, const JointFacts& facts);
 
 }  // namespace tccm

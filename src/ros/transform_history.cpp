@@ -110,18 +110,18 @@ std::vector<const TransformHistory::Frame*> TransformHistory::movingFrames(
   return way;
 }
 
-Status TransformHistory::around(const std::deque<Time>& stamps, Time stamp) const {
+Status TransformHistory::around(const std::deque<Time>& stamps, Time stamp, Duration gap_max) {
   const auto after = std::lower_bound(stamps.begin(), stamps.end(), stamp);
   if (after == stamps.end()) return Status::kNotYet;
   if (*after == stamp) return Status::kFound;
   if (after == stamps.begin()) return Status::kNever;
-  return *after - *(after - 1) > gap_max_ ? Status::kGap : Status::kFound;
+  return *after - *(after - 1) > gap_max ? Status::kGap : Status::kFound;
 }
 
 TransformHistory::Lookup TransformHistory::at(const std::string& target, const std::string& source,
-                                              Time stamp) const {
+                                              Time stamp, Duration gap_max) const {
   for (const Frame* frame : movingFrames(target, source)) {
-    const Status status = around(frame->stamps, stamp);
+    const Status status = around(frame->stamps, stamp, gap_max);
     if (status != Status::kFound) return {status, Pose::Identity()};
   }
   try {

@@ -44,7 +44,12 @@ class TransformHistory {
     Status status = Status::kNotYet;
     Pose pose = Pose::Identity();  ///< T_target_source; meaningless unless kFound
   };
-  [[nodiscard]] Lookup at(const std::string& target, const std::string& source, Time stamp) const;
+  [[nodiscard]] Lookup at(const std::string& target, const std::string& source, Time stamp) const {
+    return at(target, source, stamp, gap_max_);
+  }
+  /// @param gap_max in place of the history's own.
+  [[nodiscard]] Lookup at(const std::string& target, const std::string& source, Time stamp,
+                          Duration gap_max) const;
 
   /// Writes the poses from first to last, both included, at most `step` apart.
   /// @return kFound, or why path is left empty.
@@ -79,7 +84,7 @@ class TransformHistory {
   /// Those on the way from one to the other.
   [[nodiscard]] std::vector<const Frame*> movingFrames(const std::string& target,
                                                        const std::string& source) const;
-  [[nodiscard]] Status around(const std::deque<Time>& stamps, Time stamp) const;
+  [[nodiscard]] static Status around(const std::deque<Time>& stamps, Time stamp, Duration gap_max);
 
   tf2::BufferCore buffer_;
   Duration gap_max_;

@@ -55,6 +55,72 @@ TEST(RobotTreeTest, TwoRootsAreWatchedEachWhereItIs) {
                              Vector3(-2.0, 0.0, 1.0), 1e-12));
 }
 
+/// base -(weld)-> mast -(turn)-> head -(screw)-> camera
+std::string lookout() {
+  return robotOf(ballLink("base") + ballLink("mast") + ballLink("head") + linkOf("camera") +
+                 jointOf("weld", "fixed", "base", "mast", "<origin xyz=\"0 0 1\"/>") +
+                 jointOf("turn", "continuous", "mast", "head", axisOf("0 0 1")) +
+                 jointOf("screw", "fixed", "head", "camera", "<origin xyz=\"0.1 0 0\"/>"));
+}
+
+std::shared_ptr<const RobotModel> lookoutTrusting(const std::vector<std::string>& frames,
+                                                  const std::string& prefix = "") {
+  RobotModel::Config config;
+  config.trusted_frames = frames;
+  config.tf_prefix = prefix;
+  return test::modelOf(lookout(), config);
+}
+
+TEST(RobotTreeTest, ATrustedLinkThatNoJointMovesIsARoot) {
+  for (const char* name : {"mast", "m?st", "robots/one/mast"}) {
+    const auto model = lookoutTrusting({name}, "/robots/one");
+    EXPECT_EQ(model->rootLinks(), (Links{"base", "mast"})) << name;
+    EXPECT_EQ(model->variables().size(), 1U) << "the head still turns";
+    EXPECT_TRUE(model->warnings().empty());
+  }
+}
+
+TEST(RobotTreeTest, ATrustedLinkThatAJointMovesKeepsItsWayAheadAndItIsTold) {
+  const auto model = lookoutTrusting({"head"});
+  EXPECT_EQ(model->rootLinks(), Links{"base"});
+  EXPECT_EQ(model->variables().size(), 1U);
+  ASSERT_EQ(model->warnings().size(), 1U);
+  EXPECT_TRUE(names(model->warnings()[0], "'head'"));
+  EXPECT_EQ(model->frames().roots.size(), 2U) << "it is compared from there on";
+}
+
+TEST(RobotTreeTest, ATrustedNameThatMeansNoLinkIsTold) {
+  const auto model = lookoutTrusting({"laser"});
+  ASSERT_EQ(model->warnings().size(), 1U);
+  EXPECT_TRUE(names(model->warnings()[0], "'laser'"));
+}
+
+TEST(RobotTreeTest, FramesHaveAllLinksAlsoThoseThatAreNotWatched) {
+  const auto model = lookoutTrusting({});
+  EXPECT_EQ(model->links(), (Links{"base", "mast", "head"}));
+  EXPECT_EQ(model->frames().links, (Links{"base", "mast", "head", "camera"}));
+}
+
+TEST(RobotTreeTest, AJointThatMakesNoSenseIsLeftOutOfTheFramesWithWhatHangsOnIt) {
+  const auto model = test::modelOf(
+      robotOf(ballLink("base") + linkOf("a") + linkOf("b") + linkOf("c") +
+              jointOf("odd", "revolute", "base", "a", axisOf("1 0 0") + limitOf("1", "-1")) +
+              jointOf("weld", "fixed", "a", "b") + jointOf("other", "fixed", "base", "c")));
+  EXPECT_EQ(model->frames().links, (Links{"base", "c"}));
+}
+
+TEST(RobotTreeTest, FramesAreNamedAsRobotStatePublisherNamesThem) {
+  EXPECT_EQ(lookoutTrusting({})->frameOf("base"), "base");
+  EXPECT_EQ(lookoutTrusting({})->frameOf("/base"), "base");
+  for (const char* prefix : {"left", "/left"}) {
+    const auto model = lookoutTrusting({}, prefix);
+    EXPECT_EQ(model->frameOf("base"), "left/base");
+    EXPECT_EQ(model->frameOf("/base"), "base");
+    EXPECT_EQ(model->rootFrames(), Links{"left/base"});
+    EXPECT_EQ(model->rootLinks(), Links{"base"});
+  }
+}
+
 TEST(RobotTreeTest, AMimicOfAJointWithoutPositionIsRefused) {
   const std::string urdf = robotOf(
       ballLink("a") + ballLink("b") + ballLink("c") + jointOf("weld", "fixed", "a", "b") +
