@@ -27,7 +27,7 @@ struct Options {
 void describe(CLI::App& app, Options& options) {
   app.footer(
       "Without --urdf the surroundings are mapped and nothing is checked.\n"
-      "Exit status: 0 done, 2 bad input.\n"
+      "Exit status: 0 done, 1 no scan was mapped, 2 bad input; 1 and 2 with a line that says why.\n"
       "Example: evaluate --bag run.bag --urdf robot.urdf --config config/pr2.yaml --out result");
   app.add_option("--bag", options.bag, "recording with scans, /tf, /tf_static and joint states")
       ->required();
@@ -137,8 +137,11 @@ int evaluate(Options& options) {
   const std::string path = (std::filesystem::path(options.out) / "summary.json").string();
   writeText(path, summary.dump(2) + '\n');
   printSummary(summary, std::cout);
-  std::cout << "written  " << path << '\n';
-  return kDone;
+  printStops(evaluation.totals(), std::cout);
+  std::cout << "written  " << path << std::endl;
+  if (evaluation.totals().scans_mapped > 0) return kDone;
+  std::cerr << "evaluate: " << whyNothingMapped(evaluation, settings) << '\n';
+  return kLimitMissed;
 }
 
 }  // namespace

@@ -26,6 +26,7 @@ Evaluation::Evaluation(const MonitorConfig& settings, std::shared_ptr<const Robo
       source_(settings.assembler, monitor_.body() ? root_frames_ : std::vector<std::string>(),
               transforms_) {
   source_.onDrop([this](const ScanReport& report) {
+    ++totals_.drop_details[report.dropped][report.detail];
     if (now_) monitor_.scanDropped(*now_, report);
   });
 }
@@ -87,7 +88,7 @@ void Evaluation::resetAfterJump() {
   monitor_.reset();
   newest_.clear();
   now_.reset();
-  stopped_ = false;
+  in_a_run_ = false;
 }
 
 void Evaluation::mapReady() {
@@ -175,11 +176,13 @@ void Evaluation::noteSight(const Verdict& verdict) {
 
 void Evaluation::noteStop(const Verdict& verdict) {
   std::vector<StopRun>& runs = totals_.stop_runs;
-  if (stopped_) runs.back().to = verdict.stamp;
-  const bool goes_on = stopped_ && verdict.stop && runs.back().reason == verdict.reason;
+  if (in_a_run_) runs.back().to = verdict.stamp;
+  const bool goes_on = in_a_run_ && verdict.stop && runs.back().reason == verdict.reason;
   if (verdict.stop && !goes_on) {
-    runs.push_back({verdict.stamp, verdict.stamp, verdict.reason, verdict.link});
+    runs.push_back(
+        {verdict.stamp, verdict.stamp, verdict.reason, verdict.link, verdict.detail, !stopped_});
   }
+  in_a_run_ = verdict.stop;
   stopped_ = verdict.stop;
 }
 

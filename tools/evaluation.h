@@ -23,7 +23,9 @@ struct StopRun {
   Time from;  ///< the first of them
   Time to;    ///< the first check after them; the last of them at the end of the recording
   Reason reason = Reason::kInit;
-  std::string link;  ///< the first concerned
+  std::string link;          ///< the first concerned
+  std::string detail;        ///< of the first of them, for people
+  bool begins_stop = false;  ///< the check before, if any, did not say stop
 };
 
 /// Wall times [us], one value a scan or check.
@@ -57,6 +59,8 @@ struct Totals {
   std::size_t scans_received = 0;
   std::size_t scans_mapped = 0;
   std::map<std::string, std::size_t> scans_dropped;  ///< by reason; none is 0
+  /// How often each detail was told, by reason; not of all reasons.
+  std::map<std::string, std::map<std::string, std::size_t>> drop_details;
 
   BeamCounts beams{};  ///< of the mapped scans
   std::size_t points_mapped = 0;
@@ -141,7 +145,8 @@ class Evaluation {
   ScanSource source_;
   std::map<std::string, Time> newest_;  ///< by publisher
   std::optional<Time> now_;
-  bool stopped_ = false;  ///< by the last check
+  bool stopped_ = false;   ///< by the last check
+  bool in_a_run_ = false;  ///< the last stop run may go on: time did not jump since
   Totals totals_;
 };
 

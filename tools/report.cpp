@@ -120,17 +120,6 @@ Json agreementOf(const Evaluation& evaluation, double tolerance_m) {
           {"not_compared", agreement.notCompared()}};
 }
 
-Json stopsOf(const Totals& totals) {
-  Json stops = Json::array();
-  for (const StopRun& run : totals.stop_runs) {
-    stops.push_back({{"from_s", rounded(toSeconds(run.from - *totals.first_stamp))},
-                     {"to_s", rounded(toSeconds(run.to - *totals.first_stamp))},
-                     {"reason", name(run.reason)},
-                     {"link", run.link}});
-  }
-  return stops;
-}
-
 Json timesOf(const Timings& timings) {
   return {{"assemble", percentiles(timings.assemble)},
           {"integrate", percentiles(timings.integrate)},
@@ -142,7 +131,12 @@ Json timesOf(const Timings& timings) {
           {"scan_to_verdict", percentiles(timings.scan_to_verdict)}};
 }
 
-std::string number(const Json& value) { return value.is_null() ? "-" : value.dump(); }
+/// To three digits, for people.
+std::string number(const Json& value) {
+  if (!value.is_number_float()) return value.is_null() ? "-" : value.dump();
+  const double figure = value.get<double>();
+  return formatted(std::abs(figure) >= 100.0 ? "%.0f" : "%.3g", figure);
+}
 
 std::string percent(const Json& fraction) {
   if (fraction.is_null()) return "-";
@@ -227,7 +221,8 @@ Json summaryOf(const Evaluation& evaluation, const MonitorConfig& settings) {
       {"slow_fraction", fraction(totals.slows, totals.checks)},
       {"unknown_fraction", fraction(totals.checks_unknown, totals.checks)},
       {"sight", sightOf(totals, evaluation.monitor().map())},
-      {"stops", stopsOf(totals)},
+      {"stops", stopsOf(totals).size()},
+      {"stop_segments", stopSegmentsOf(totals)},
       {"time_jumps", totals.time_jumps},
       {"duration_s",
        any ? Json(rounded(toSeconds(*totals.last_stamp - *totals.first_stamp))) : Json(nullptr)},

@@ -51,5 +51,10 @@ void dumpVisibility(const Verdict& verdict, const Checker& checker, CsvFile& fil
                                                const MonitorConfig& settings);
 /// The same for people, in a few lines.
 void printSummary(const nlohmann::ordered_json& summary, std::ostream& out);
+/// A line for each of the first 20 stops: when, for how long, reason, link and detail.
+void printStops(const Totals& totals, std::ostream& out);
+/// One line: why the scans were dropped, and what to set. @pre no scan was mapped
+[[nodiscard]] std::string whyNothingMapped(const Evaluation& evaluation,
+                                           const MonitorConfig& settings);
 
 }  // namespace tccm

@@ -19,4 +19,14 @@ namespace tccm {
 /// none.
 [[nodiscard]] nlohmann::ordered_json sightOf(const Totals& totals, const CuboidMap* newest);
 
+/// A stretch of checks that all said stop, for whatever reasons.
+struct Stop {
+  std::vector<const StopRun*> runs;  ///< of one reason each, in order
+  Duration length{0};                ///< without what a jump of time would add
+};
+/// Valid as long as the totals.
+[[nodiscard]] std::vector<Stop> stopsOf(const Totals& totals);
+/// The summary's list of what the stops were for, one entry a reason.
+[[nodiscard]] nlohmann::ordered_json stopSegmentsOf(const Totals& totals);
+
 }  // namespace tccm

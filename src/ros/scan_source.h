@@ -100,7 +100,9 @@ class ScanSource {
   /// Drops what still waits.
   void drain() {
     for (const Ready& scan : waiting_) {
-      countDrop(scan.scan.stamp, "no_transform", "the recording ended while it waited");
+      const std::string unknown = unknownFrame(scan);
+      countDrop(scan.scan.stamp, "no_transform",
+                unknown.empty() ? "the recording ended while it waited" : unknown);
     }
     waiting_.clear();
   }
@@ -126,11 +128,17 @@ class ScanSource {
     return until && *until >= scan.lastBeamTime();
   }
 
-  /// For people.
-  [[nodiscard]] std::string whyNotPlaced(const Ready& scan, Time now) const {
+  /// For people; empty where tf has both frames.
+  [[nodiscard]] std::string unknownFrame(const Ready& scan) const {
     for (const std::string& frame : {scan.frame, config_.fixed_frame}) {
       if (!transforms_.hasFrame(frame)) return "tf has no frame '" + frame + "'";
     }
+    return {};
+  }
+  /// For people.
+  [[nodiscard]] std::string whyNotPlaced(const Ready& scan, Time now) const {
+    const std::string unknown = unknownFrame(scan);
+    if (!unknown.empty()) return unknown;
     return "tf cannot place its frame '" + scan.frame + "' in '" + config_.fixed_frame +
            "' at its time; " + stampText(scan.scan.stamp, now);
   }

@@ -54,7 +54,7 @@ class OnMadeBags(EvaluateTest):
         summary = self.evaluate(self.bag())
         for group, fields in (
                 (summary, ["scans", "scans_dropped", "points", "map", "checks", "collision_fraction",
-                           "occlusion_fraction", "stop_fraction", "sight", "stops", "time_us"]),
+                           "occlusion_fraction", "stop_fraction", "sight", "stops", "stop_segments", "time_us"]),
                 (summary["points"], ["measured", "out_of_range", "mixed_pixel", "self", "shadow",
                                      "out_of_area", "mapped"]),
                 (summary["map"], ["origin_m", "cell_size_m", "cells", "thickness_m",
@@ -88,8 +88,8 @@ class OnMadeBags(EvaluateTest):
         collisions = [row for row in rows if row["reason"] == "COLLISION"]
         self.assertTrue(collisions)
         self.assertEqual({(row["stop"], row["link"]) for row in collisions}, {("1", "hand")})
-        self.assertIn("COLLISION", [stop["reason"] for stop in summary["stops"]])
-        self.assertEqual(summary["stops"][0]["reason"], "INIT")
+        self.assertIn("COLLISION", [stop["reason"] for stop in summary["stop_segments"]])
+        self.assertEqual(summary["stop_segments"][0]["reason"], "INIT")
         self.assertEqual(rows[-1]["stop"], "0")
         self.assertMapCanBeRecomputed()
 
@@ -271,7 +271,7 @@ class OnRecordings(EvaluateTest):
                                     urdf=os.path.join(self.data, "robots/pr2_moveit/pr2.urdf"))
             self.assertEqual(summary["robot"]["links_monitored"], 30)
             self.assertEqual(summary["robot"]["joints_never_published"], [])
-            spells[bag] = [stop for stop in summary["stops"] if stop["reason"] == "COLLISION"]
+            spells[bag] = [stop for stop in summary["stop_segments"] if stop["reason"] == "COLLISION"]
             if bag == "both_arms_wave":
                 self.assertEqual(summary["collision_fraction"], 0.0)
         self.assertEqual(spells["both_arms_wave"], [])
@@ -302,8 +302,8 @@ class OnSimulations(EvaluateTest):
 
     def test_an_obstacle_that_appears_stops_the_arm_once_a_beam_has_met_it(self):
         summary, rows, truth = self.simulated("--duration-s", "12", "--obstacle", "pole", "--appear-s", "7")
-        self.assertEqual(summary["stops"][0]["reason"], "INIT")
-        stop = summary["stops"][1]
+        self.assertEqual(summary["stop_segments"][0]["reason"], "INIT")
+        stop = summary["stop_segments"][1]
         first_beam = truth["first_beam_s"] - START
         self.assertGreater(stop["from_s"], first_beam)
         self.assertLess(stop["from_s"], first_beam + 0.5)
