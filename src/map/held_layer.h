@@ -45,7 +45,16 @@ class HeldLayer {
   }
   /// These heights of a cell were seen again: they are held no longer.
   /// @return false where the room ran out over it, and less is held than should be.
-  [[nodiscard]] bool seen(CellIndex cell, Columns::Heights heights);
+  [[nodiscard]] bool seen(CellIndex cell, Columns::Heights heights) {
+    if (in_cell_[cell] == 0) return true;
+    return cut([&](const Interval& i) {
+      return i.cell == cell ? heights : Columns::Heights{0, 0};
+    });
+  }
+  /// Takes out of each interval the heights that heightsOf names for it; none: bottom >= top.
+  /// @return as seen().
+  template <typename HeightsOf>
+  [[nodiscard]] bool cut(HeightsOf&& heightsOf);
   /// Lets go of those that isOver says so of.
   template <typename IsOver>
   void releaseIf(IsOver&& isOver) {
@@ -76,13 +85,15 @@ class HeldLayer {
   std::size_t intervals_max_;
 };
 
-inline bool HeldLayer::seen(CellIndex cell, Columns::Heights heights) {
-  if (in_cell_[cell] == 0) return true;
+template <typename HeightsOf>
+bool HeldLayer::cut(HeightsOf&& heightsOf) {
   bool fits = true;
-  // Those that are added below lie outside of the heights.
-  for (std::size_t i = 0; i < intervals_.size(); ++i) {
+  // Those that are added at the end have been cut already.
+  const std::size_t count = intervals_.size();
+  for (std::size_t i = 0; i < count; ++i) {
     Interval& held = intervals_[i];
-    if (held.cell != cell || held.heights.top <= heights.bottom ||
+    const Columns::Heights heights = heightsOf(static_cast<const Interval&>(held));
+    if (heights.bottom >= heights.top || held.heights.top <= heights.bottom ||
         held.heights.bottom >= heights.top) {
       continue;
     }

@@ -9,13 +9,8 @@
 namespace tccm {
 namespace {
 
-constexpr double kPlaceRounding = 1e-6;  // [m]; returns are rounded to the micrometre
-
-/// How far a return may have been from its cell's centre at its height [m].
-double placeDoubt(const Grid::Config& grid) {
-  return std::hypot(std::sqrt(0.5) * grid.cell_size_m, 0.5 * grid.height_quantum_m) +
-         kPlaceRounding;
-}
+constexpr double kPlaceRounding = 1e-6;   // [m]; returns are rounded to the micrometre
+constexpr double kHeightRounding = 1e-9;  // [m]
 
 /// Puts together what a scan's returns occupy before it goes into the columns. Beams side by side
 /// fall into a few cells in turn, and mostly see the same surface: most of them only widen what is
@@ -65,7 +60,7 @@ void IntegrationMap::Config::describe(ParameterTable& table) {
   grid.describe(table);
   table.add("thickness_m", &thickness_m, "m",
             {grid.height_quantum_m, 2000.0 * grid.height_quantum_m},
-            "a point at height z occupies (z - thickness, z]");
+            "a point at height z occupies (z - thickness, z], nothing below `height_min_m`");
   table.add("window_scans_max", &scans_max, "scans", {1.0, 100000.0},
             "the longest window there is memory for");
   table.add("window_returns_max", &returns_max, "points", {1.0, 1e8}, "in the window");
@@ -76,6 +71,8 @@ IntegrationMap::IntegrationMap(const Config& config)
     : config_(validated(config)),
       grid_(config.grid),
       thickness_(grid_.heightOf(config.thickness_m)),
+      // 0.029 / 0.001 is a hair above 29.
+      lowest_(grid_.heightCeil(config.grid.height_min_m - kHeightRounding)),
       columns_(grid_.cells(), config.intervals_max, config.scans_max + 2),
       // Layers as thick as a return: returns of two cuboids never share one.
       counts_(grid_, thickness_),
@@ -129,12 +126,18 @@ std::size_t IntegrationMap::forget(const Region& region, Time until) {
   std::vector<RegionPart> parts;
   parts.reserve(region.size());
   for (const PaddedShape& shape : region) {
-    markCellsNear(parts.emplace_back(shape, placeDoubt(config_.grid)));
+    markCellsNear(parts.emplace_back(shape, placeDoubt()));
   }
   const std::size_t removed = removeReturns(parts);
   if (removed > 0) restoreColumns();
   std::fill(losses_.begin(), losses_.end(), Loss());
   return removed;
+}
+
+double IntegrationMap::placeDoubt() const {
+  const Grid::Config& grid = config_.grid;
+  return std::hypot(std::sqrt(0.5) * grid.cell_size_m, 0.5 * grid.height_quantum_m) +
+         kPlaceRounding;
 }
 
 void IntegrationMap::markCellsNear(const RegionPart& part) {
@@ -193,8 +196,7 @@ void IntegrationMap::clear() {
 }
 
 std::uint32_t IntegrationMap::pointsIn(CellIndex cell, Columns::Heights heights) const {
-  // Returns lie at the tops of what they occupy.
-  const auto lowest = static_cast<Height>(heights.bottom + thickness_);
+  const Height lowest = lowestReturn(heights.bottom);
   return lowest <= heights.top ? counts_.sum(cell, lowest, heights.top) : 0;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -18,7 +19,8 @@ namespace tccm {
 /// map is added, the oldest subtracted, at a cost that does not grow with the window.
 ///
 /// After every step the occupied heights of each cell are exactly the union of the part maps of
-/// the scans in the window. A return at height z occupies (z - thickness, z].
+/// the scans in the window. A return at height z occupies (z - thickness, z], of which nothing
+/// counts below height_min_m, and at least the first quantum above it.
 class IntegrationMap {
  public:
   struct Config {
@@ -73,12 +75,19 @@ class IntegrationMap {
   /// @return how many returns left the window's part maps.
   /// @throws ConfigError where the region is not valid; then nothing has changed.
   std::size_t forget(const Region& region, Time until);
+  /// How far a return may have been from its cell's centre at its height [m].
+  [[nodiscard]] double placeDoubt() const;
   /// Forgets all scans, and what was to be forgotten of later ones; serials go on.
   void clear();
 
   /// The heights that a return occupies.
   [[nodiscard]] Columns::Heights occupiedBy(const MappedReturn& entry) const {
-    return {static_cast<Height>(entry.height - thickness_), entry.height};
+    return {static_cast<Height>(std::max(entry.height - thickness_, int{lowest_})),
+            static_cast<Height>(std::max(int{entry.height}, lowest_ + 1))};
+  }
+  /// The least height that a return of a cuboid with this bottom can have.
+  [[nodiscard]] Height lowestReturn(Height bottom) const {
+    return bottom > lowest_ ? static_cast<Height>(bottom + thickness_) : counts_.lowest();
   }
   [[nodiscard]] Height thickness() const { return thickness_; }
   [[nodiscard]] std::size_t scans() const { return ring_.scans(); }
@@ -133,6 +142,7 @@ class IntegrationMap {
   Config config_;
   Grid grid_;
   Height thickness_;
+  Height lowest_;  ///< what is below is out of the area
   Columns columns_;
   ReturnCounts counts_;
   PartMapRing ring_;

@@ -15,6 +15,25 @@ Vector3 placeOf(const Grid& grid, CellIndex cell, Columns::Heights heights) {
   return {centre.x(), centre.y(), grid.metres(heights.bottom + heights.top) / 2.0};
 }
 
+/// Of an interval, what may lie in a part of a region: one run, as parts are convex.
+Columns::Heights heightsIn(const RegionPart& part, const Grid& grid,
+                           const HeldLayer::Interval& held) {
+  const double quantum = grid.config().height_quantum_m;
+  Vector3 place;
+  place.head<2>() = grid.centre(held.cell);
+  // Up to so many quanta away from this one nothing lies in the part; 0: this one does.
+  const auto outside = [&](int height) {
+    place.z() = grid.metres(height) + 0.5 * quantum;
+    const double beyond = part.beyond(place);
+    return beyond > 0.0 ? std::max(1, static_cast<int>(std::min(beyond / quantum, 1e6))) : 0;
+  };
+  int bottom = held.heights.bottom, top = held.heights.top;
+  for (int step = 1; bottom < top && step > 0; bottom += step) step = outside(bottom);
+  for (int step = 1; bottom < top && step > 0; top -= step) step = outside(top - 1);
+  if (bottom >= top) return {0, 0};
+  return {static_cast<Height>(bottom), static_cast<Height>(top)};
+}
+
 }  // namespace
 
 void Hold::Config::describe(ParameterTable& table) {
@@ -101,15 +120,11 @@ std::uint32_t Hold::heldAround(const Grid& grid, CellIndex cell, Columns::Height
 }
 
 void Hold::forget(const Region& region, const IntegrationMap& map) {
-  const Grid& grid = map.grid();
-  // The nearest point of an interval may be nearer than its middle by so much.
-  const double growth =
-      std::hypot(std::sqrt(0.5) * grid.config().cell_size_m, map.config().thickness_m);
   for (const PaddedShape& shape : region) {
-    const RegionPart part(shape, growth);
-    held_.releaseIf([&](const HeldLayer::Interval& held) {
-      return part.contains(placeOf(grid, held.cell, held.heights));
-    });
+    const RegionPart part(shape, map.placeDoubt());
+    const bool fits = held_.cut(
+        [&](const HeldLayer::Interval& held) { return heightsIn(part, map.grid(), held); });
+    if (!fits) lost_serial_ = map.serial();
   }
 }
 
@@ -229,6 +244,7 @@ void Mapper::expire() {
 std::size_t Mapper::forget(const Region& region, Time until) {
   const std::size_t returns = map_.forget(region, until);
   hold_.forget(region, map_);
+  hold_.sort();
   return returns;
 }
 

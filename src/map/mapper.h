@@ -42,7 +42,8 @@ class Hold {
   /// place of that since, it is held. @param now stamp of the newest scan.
   void expireOldest(IntegrationMap& map, const LookImage& looks, Time now);
   void sort() { held_.sort(); }
-  /// Lets go of what may lie in the region.
+  /// Lets go of the heights that may lie in the region, as IntegrationMap::forget() judges them; of
+  /// what is held only those are known, not its returns. To be sorted anew.
   void forget(const Region& region, const IntegrationMap& map);
   void clear();
 

@@ -156,9 +156,8 @@ PlaceAges::Around PlaceAges::countAround(const Place& place, int age,
 
 /// Of the place in which most of its returns lie.
 std::uint32_t PlaceAges::windowsOf(const Cuboid& cuboid, const IntegrationMap& map) const {
-  // Returns lie at the tops of what they occupy.
-  const int lowest = std::min<int>(cuboid.bottom + map.thickness(), cuboid.top);
-  const std::size_t from = layerOf(static_cast<Height>(lowest), map);
+  const Height lowest = std::min(map.lowestReturn(cuboid.bottom), cuboid.top);
+  const std::size_t from = layerOf(lowest, map);
   const std::size_t to = layerOf(cuboid.top, map);
   if (from == to) return age_[index({cuboid.cell, to})] / 2U;
   std::size_t best = to;

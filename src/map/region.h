@@ -50,9 +50,13 @@ class RegionPart {
     bounds_ = {bounds_.min() - reach, bounds_.max() + reach};
   }
 
+  /// How far a point lies outside, 0 and less inside [m].
+  [[nodiscard]] double beyond(const Vector3& p_fixed) const {
+    return distance(shape_, T_shape_fixed_ * p_fixed) - reach_m_;
+  }
   /// False for what is not finite.
   [[nodiscard]] bool contains(const Vector3& p_fixed) const {
-    return bounds_.contains(p_fixed) && distance(shape_, T_shape_fixed_ * p_fixed) <= reach_m_;
+    return bounds_.contains(p_fixed) && beyond(p_fixed) <= 0.0;
   }
   /// Holds the whole part; a little larger than need be.
   [[nodiscard]] const UprightBox& bounds() const { return bounds_; }

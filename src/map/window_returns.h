@@ -156,6 +156,8 @@ class ReturnCounts {
     return layer_of_[static_cast<std::size_t>(height - lowest_)];
   }
   [[nodiscard]] std::size_t layers() const { return layers_; }
+  /// The least height of a return.
+  [[nodiscard]] Height lowest() const { return lowest_; }
   /// The thickness of one.
   [[nodiscard]] Height layer() const { return layer_; }
   [[nodiscard]] std::size_t memoryBytes() const { return bytesOf(counts_, layer_of_); }

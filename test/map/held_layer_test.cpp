@@ -54,6 +54,17 @@ TEST(HeldLayerTest, HeightsThatAreSeenAgainAreCutOut) {
   EXPECT_EQ(layer.intervals().front().points, 4U);
 }
 
+TEST(HeldLayerTest, OfEachIntervalItsOwnHeightsAreCutOutAndWhatIsEmptyCutsNothing) {
+  HeldLayer layer(10, 8);
+  for (const CellIndex cell : {1U, 2U, 3U}) ASSERT_TRUE(layer.hold(interval(cell, -50, 50)));
+  EXPECT_TRUE(layer.cut([](const HeldLayer::Interval& i) {
+    return i.cell == 1   ? Columns::Heights{-10, 20}
+           : i.cell == 2 ? Columns::Heights{0, 0}
+                         : Columns::Heights{-60, 60};
+  }));
+  EXPECT_EQ(rows(layer), (Rows{{1, -50, -10}, {1, 20, 50}, {2, -50, 50}}));
+}
+
 TEST(HeldLayerTest, WhatIsReleasedIsGone) {
   HeldLayer layer(10, 8);
   for (const int bottom : {0, 20, 40}) ASSERT_TRUE(layer.hold(interval(1, bottom, bottom + 10)));

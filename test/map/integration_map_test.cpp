@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <limits>
 #include <new>
+#include <set>
 
 #include "support/part_union.h"
 #include "support/random.h"
@@ -49,6 +50,67 @@ TEST(IntegrationMapTest, AReturnOccupiesTheThicknessBelowIt) {
   IntegrationMap map(smallConfig());
   map.add(atScan(0), {atHeight(0.5)});
   EXPECT_EQ(runsIn(map), (Runs{{0, 480, 500, 1}}));
+}
+
+TEST(IntegrationMapTest, NothingIsOccupiedBelowTheLeastHeightAndAReturnAtItIsAQuantum) {
+  IntegrationMap map(smallConfig());
+  map.add(atScan(0), {atHeight(0.0), {0.15, 0.05, 0.005}, {0.25, 0.05, 0.020}});
+  map.add(atScan(1), {{0.15, 0.05, 0.012}});
+  EXPECT_EQ(runsIn(map), (Runs{{0, 0, 1, 1}, {1, 0, 12, 2}, {2, 0, 20, 1}}));
+  map.expireOldest();
+  EXPECT_EQ(runsIn(map), (Runs{{1, 0, 12, 1}}));
+}
+
+/// In quanta, by brute force: what each return occupies, as far as it lies in the area.
+std::set<int> occupiedInArea(const Grid& grid, const Points& points, int thickness) {
+  std::set<int> occupied;
+  const double least = grid.config().height_min_m - 1e-9;
+  for (const Vector3& p : points) {
+    const int height = grid.heightOf(p.z());
+    for (int h = height - thickness; h < height; ++h) {
+      if (grid.metres(h) >= least) occupied.insert(h);
+    }
+    int first = height - thickness;
+    while (grid.metres(first) < least) ++first;
+    occupied.insert(first);
+  }
+  return occupied;
+}
+
+TEST(IntegrationMapTest, WhateverTheLeastHeightIsTheMapIsWhatReturnsOccupyAboveIt) {
+  for (unsigned seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    test::Random random(seed);
+    IntegrationMap::Config config = smallConfig();
+    const double least = config.grid.height_min_m =
+        seed % 3 == 0 ? random.uniform(-0.3, 0.3) : 0.001 * random.integer(-300, 300);
+    config.thickness_m = 0.001 * random.integer(1, 40);
+    IntegrationMap map(config);
+    Points points = {atHeight(least + 1e-6)};
+    for (int i = random.integer(0, 5); i > 0; --i) {
+      points.push_back(atHeight(least + random.uniform(0.0, seed % 2 == 0 ? 0.01 : 0.3)));
+    }
+    ASSERT_EQ(map.add(atScan(0), points).mapped, points.size());
+    std::set<int> occupied;
+    std::size_t returns = 0;
+    for (const Cuboid& cuboid : snapshotOf(map).cuboids) {
+      EXPECT_GE(map.grid().metres(cuboid.bottom), least - 1e-9);
+      for (int h = cuboid.bottom; h < cuboid.top; ++h) occupied.insert(h);
+      returns += cuboid.points;
+    }
+    EXPECT_EQ(occupied, occupiedInArea(map.grid(), points, map.thickness()));
+    EXPECT_EQ(returns, points.size()) << "each counts once";
+  }
+}
+
+TEST(IntegrationMapTest, ReturnsAThicknessAboveTheLeastHeightOccupyAllOfIt) {
+  test::Random random(7);
+  for (int i = 0; i < 40; ++i) {
+    IntegrationMap map(smallConfig());
+    const int height = random.integer(20, 999);
+    map.add(atScan(0), {atHeight(0.001 * height + random.uniform(-0.0004, 0.0004))});
+    EXPECT_EQ(runsIn(map), (Runs{{0, height - 20, height, 1}}));
+  }
 }
 
 TEST(IntegrationMapTest, ReturnsOutsideTheAreaAndNotFiniteAreCountedAndLeftOut) {

@@ -1,77 +1,28 @@
 // What leaves the window while nobody looks at its place is held.
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <set>
-#include <utility>
+#include <algorithm>
 
 #include "map/mapper.h"
+#include "support/hold_feed.h"
 #include "support/random.h"
-#include "support/small_map.h"
 
 namespace tccm {
 namespace {
 
-constexpr double kScanPeriod = 0.025;  // [s]
-constexpr int kWindow = 4;             // scans
-const Vector3 kViewpoint(0.1, 0.1, 1.5);
-const Vector3 kPlace(0.15, 0.15, 0.5);
+using test::at;
+using test::Feed;
+using test::kPlace;
+using test::kViewpoint;
+using test::kWindow;
+using test::Occupied;
+using test::occupiedBy;
+using test::past;
+using test::to;
+
 const Vector3 kElsewhere(0.05, 0.05, 0.3);
 
-Time at(double seconds) { return Time(fromSeconds(seconds)); }
-
-Mapper::Config config() {
-  Mapper::Config config = test::smallMapper();
-  config.hold.intervals_max = 1000;
-  config.window_scans = kWindow;
-  config.hold.longest_s = 1.0;
-  return config;
-}
-
-/// Feeds scans, and lists what the map holds.
-class Feed {
- public:
-  explicit Feed(const Mapper::Config& config = ::tccm::config()) : mapper_(config) {}
-
-  void scan(std::vector<Look> looks = {}, int times = 1) {
-    for (int i = 0; i < times; ++i) {
-      ScanReturns scan;
-      scan.stamp = at(kScanPeriod * ++scans_);
-      scan.viewpoint = kViewpoint;
-      scan.looks = looks;
-      for (const Look& look : looks) {
-        if (look.what == Seen::kSurface) scan.points.push_back(look.end);
-      }
-      EXPECT_EQ(mapper_.add(scan).dropped, "");
-    }
-  }
-  /// The place is seen, and then no more until that scan has left the window.
-  void seeOnce() {
-    scan({{kViewpoint, kPlace, Seen::kSurface}});
-    scan({}, kWindow);
-  }
-  std::size_t count(bool held) {
-    mapper_.snapshot(map_);
-    std::size_t count = 0;
-    for (const Cuboid& cuboid : map_.cuboids) count += cuboid.held == held ? 1 : 0;
-    return count;
-  }
-  std::size_t live() { return count(false); }
-  std::size_t held() { return count(true); }
-  const CuboidMap& map() { return count(true), map_; }
-  Mapper& mapper() { return mapper_; }
-
- private:
-  Mapper mapper_;
-  CuboidMap map_;
-  int scans_ = 0;
-};
-
-Look to(const Vector3& end, Seen what = Seen::kSurface) { return {kViewpoint, end, what}; }
-/// Past a place, to so much of its distance.
-Look past(const Vector3& place, double share, Seen what = Seen::kSurface) {
-  return to(kViewpoint + share * (place - kViewpoint), what);
-}
+Mapper::Config config() { return test::holdingMapper(); }
 
 TEST(MapperHoldTest, WhatNobodyLookedAtAgainIsHeldWithItsPointsAndItsAge) {
   Feed feed;
@@ -210,6 +161,43 @@ TEST(MapperHoldTest, WhatTheRobotTakesIsNotHeld) {
   EXPECT_EQ(feed.held(), 0U);
 }
 
+TEST(MapperHoldTest, OfAFloorThatALaterScanSawHigherNothingBelowTheLeastHeightIsHeld) {
+  Feed feed;
+  feed.scan({to({0.15, 0.15, 0.0})});
+  feed.scan({to({0.15, 0.15, 0.005})});
+  for (int i = 0; i < 2 * kWindow; ++i) {
+    for (const Cuboid& cuboid : feed.map().cuboids) EXPECT_GE(cuboid.bottom, 0) << i;
+    feed.scan();
+  }
+  ASSERT_EQ(feed.held(), 1U);
+  EXPECT_EQ(feed.map().cuboids.front().top, 5);
+}
+
+TEST(MapperHoldTest, OfNoiseAboutTheLeastHeightNothingBelowItIsEverLiveOrHeld) {
+  std::size_t held = 0;
+  for (unsigned seed = 1; seed <= 30; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    test::Random random(seed);
+    Mapper::Config raised = config();
+    const double least = raised.map.grid.height_min_m = 0.001 * random.integer(-200, 200);
+    Feed feed(raised);
+    for (int step = 0; step < 60; ++step) {
+      std::vector<Look> looks;
+      for (int i = random.integer(0, 2); i > 0; --i) {
+        looks.push_back(to({random.uniform(0.0, 0.2), random.uniform(0.0, 0.2),
+                            least + 0.001 * random.integer(-3, 25)}));
+      }
+      feed.scan(looks);
+      for (const Cuboid& cuboid : feed.map().cuboids) {
+        ASSERT_GE(feed.map().grid.metres(cuboid.bottom), least - 1e-9) << step;
+        ASSERT_LT(cuboid.bottom, cuboid.top) << step;
+        held += cuboid.held ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(held, 100U);
+}
+
 TEST(MapperHoldTest, WhereMoreIsToBeHeldThanThereIsRoomForTheMapIsNotToBeTrusted) {
   Mapper::Config tight = config();
   tight.hold.intervals_max = 1;
@@ -220,18 +208,6 @@ TEST(MapperHoldTest, WhereMoreIsToBeHeldThanThereIsRoomForTheMapIsNotToBeTrusted
   EXPECT_TRUE(feed.map().overflowed);
   feed.scan({}, kWindow);
   EXPECT_FALSE(feed.map().overflowed);
-}
-
-/// Heights in quanta, by cell.
-using Occupied = std::set<std::pair<CellIndex, int>>;
-
-Occupied occupiedBy(const CuboidMap& map, bool held) {
-  Occupied occupied;
-  for (const Cuboid& cuboid : map.cuboids) {
-    if (cuboid.held != held) continue;
-    for (int h = cuboid.bottom; h < cuboid.top; ++h) occupied.insert({cuboid.cell, h});
-  }
-  return occupied;
 }
 
 TEST(MapperHoldTest, RandomStreamsLeaveTheLiveMapAsItIsWithoutHoldingAndApartFromWhatIsHeld) {

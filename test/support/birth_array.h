@@ -9,14 +9,15 @@
 namespace tccm::test {
 
 /// The age of everything by brute force: for each quantum of each cell, which scan saw it last and
-/// since which scan something was seen there. Heights from 0 to heights - 1.
+/// since which scan something was seen there. Heights from the lowest that counts to heights - 1.
 class BirthArray {
  public:
-  BirthArray(CellIndex cells, std::size_t heights) : columns_(cells, Column(heights)) {}
+  BirthArray(CellIndex cells, std::size_t heights, int lowest)
+      : columns_(cells, Column(heights)), lowest_(lowest) {}
 
   /// All that one scan's returns cover without a gap takes the earliest birth below it.
   void add(const std::vector<MappedReturn>& returns, int thickness, std::uint32_t serial) {
-    for (const Run& run : unionOf({returns}, thickness)) {
+    for (const Run& run : clippedAt(lowest_, unionOf({returns}, thickness))) {
       const auto begin = columns_[run.cell].begin() + run.bottom;
       const auto end = columns_[run.cell].begin() + run.top;
       std::uint32_t born = serial;
@@ -41,8 +42,9 @@ class BirthArray {
     before.swap(columns_);
     for (const auto& part_map : part_maps) {
       for (const auto& [cell, height] : part_map) {
-        for (auto h = static_cast<std::size_t>(height - thickness);
-             h < static_cast<std::size_t>(height); ++h) {
+        const Run run = clippedAt(lowest_, {{cell, height - thickness, height, 1}}).front();
+        for (auto h = static_cast<std::size_t>(run.bottom); h < static_cast<std::size_t>(run.top);
+             ++h) {
           columns_[cell][h] = {oldest, before[cell][h].born};
         }
       }
@@ -66,6 +68,7 @@ class BirthArray {
   using Column = std::vector<Quantum>;
 
   std::vector<Column> columns_;
+  int lowest_;
 };
 
 }  // namespace tccm::test

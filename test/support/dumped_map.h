@@ -29,7 +29,8 @@ inline std::vector<std::vector<std::string>> readRows(const std::string& path) {
 }
 
 /// The map as anyone can recompute it from the points that reached it: a point at height z covers z
-/// - thickness to z of its cell, and the map is the union over the scans of a window.
+/// - thickness to z of its cell above the least height of the area, and the map is the union over
+/// the scans of a window.
 class DumpedMap {
  public:
   /// @param points rows of scan, x, y, z. @param map the summary's words on the map.
@@ -39,6 +40,8 @@ class DumpedMap {
         cell_size_(map.at("cell_size_m")),
         quantum_(map.at("height_quantum_m")),
         thickness_(static_cast<int>(std::lround(map.at("thickness_m").get<double>() / quantum_))),
+        lowest_(static_cast<int>(
+            std::ceil(map.at("height_limits_m")[0].get<double>() / quantum_ - 1e-6))),
         cells_x_(map.at("cells")[0]),
         cells_y_(map.at("cells")[1]),
         columns_(static_cast<std::size_t>(cells_x_ * cells_y_)) {
@@ -95,9 +98,11 @@ class DumpedMap {
     const auto& column = columns_[static_cast<std::size_t>(y * cells_x_ + x)];
     const Eigen::Vector2d corner(origin_x_ + x * cell_size_, origin_y_ + y * cell_size_);
     for (auto run = column.begin(); run != column.end();) {
-      const int bottom = run->first - thickness_;
-      int top = run->first;
-      for (; run != column.end() && run->first - thickness_ <= top; ++run) top = run->first;
+      const int bottom = std::max(run->first - thickness_, lowest_);
+      int top = std::max(run->first, lowest_ + 1);
+      for (; run != column.end() && run->first - thickness_ <= top; ++run) {
+        top = std::max(run->first, lowest_ + 1);
+      }
       const Eigen::AlignedBox3d cuboid(
           Eigen::Vector3d(corner.x(), corner.y(), bottom * quantum_),
           Eigen::Vector3d(corner.x() + cell_size_, corner.y() + cell_size_, top * quantum_));
@@ -110,6 +115,7 @@ class DumpedMap {
 
   double origin_x_, origin_y_, cell_size_, quantum_;
   int thickness_;  ///< in quanta
+  int lowest_;     ///< in quanta
   int cells_x_, cells_y_;
   std::vector<std::vector<Point>> scans_;    ///< by serial
   std::vector<std::map<int, int>> columns_;  ///< by cell: how many points are at each height

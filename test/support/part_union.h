@@ -71,4 +71,21 @@ inline std::vector<Run> unionOf(const std::deque<std::vector<MappedReturn>>& par
   return runs;
 }
 
+/// What of the runs counts where nothing does below the lowest height, and what is seen at it
+/// counts as the first quantum above.
+inline std::vector<Run> clippedAt(int lowest, const std::vector<Run>& runs) {
+  std::vector<Run> clipped;
+  for (Run run : runs) {
+    run.bottom = std::max(run.bottom, lowest);
+    run.top = std::max(run.top, lowest + 1);
+    if (!clipped.empty() && clipped.back().cell == run.cell && clipped.back().top >= run.bottom) {
+      clipped.back().top = run.top;
+      clipped.back().points += run.points;
+    } else {
+      clipped.push_back(run);
+    }
+  }
+  return clipped;
+}
+
 }  // namespace tccm::test

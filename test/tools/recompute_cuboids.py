@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """Recomputes the map of evaluate's dumps by uniting part maps, and compares.
 
-A point at height z covers (z - thickness, z] of the cell that floor((x - origin) / cell_size) names;
-the map after the last scan is the union over the last window_scans scans.
+A point at height z covers (z - thickness, z] of the cell that floor((x - origin) / cell_size) names,
+nothing below the least height of the area, and at least the first quantum above it; the map after the last scan is the union over the last window_scans scans.
 
 usage: recompute_cuboids.py summary.json points.csv cuboids.csv
 """
@@ -19,6 +19,7 @@ def union(points_path, grid):
         points = [(int(p["scan"]), float(p["x"]), float(p["y"]), float(p["z"])) for p in csv.DictReader(f)]
     quantum, size = grid["height_quantum_m"], grid["cell_size_m"]
     thickness = round(grid["thickness_m"] / quantum)
+    lowest = math.ceil(grid["height_limits_m"][0] / quantum - 1e-6)
     columns = defaultdict(list)
     # The last scan is the last that was mapped, also where it brought no point.
     first = grid["last_scan"] - grid["window_scans"] + 1
@@ -29,11 +30,12 @@ def union(points_path, grid):
     result = {}
     for cell, tops in columns.items():
         runs = []
-        for top in sorted(tops):
-            if runs and top - thickness <= runs[-1][1]:
+        for height in sorted(tops):
+            bottom, top = max(height - thickness, lowest), max(height, lowest + 1)
+            if runs and bottom <= runs[-1][1]:
                 runs[-1][1] = top
             else:
-                runs.append([top - thickness, top])
+                runs.append([bottom, top])
         result[cell] = runs
     return result
 
