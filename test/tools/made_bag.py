@@ -46,8 +46,8 @@ def transform(seconds, parent, child, xyz=(0.0, 0.0, 0.0)):
 
 
 def scan_at(seconds, ranges=(0.3,)):
-    scan = LaserScan(angle_min=0.0, angle_max=0.1, angle_increment=0.1, scan_time=0.05,
-                     range_min=0.1, range_max=5.0, ranges=list(ranges))
+    scan = LaserScan(angle_min=0.0, angle_max=0.1 * max(0, len(ranges) - 1), angle_increment=0.1,
+                     scan_time=0.05, range_min=0.1, range_max=5.0, ranges=list(ranges))
     scan.header.stamp, scan.header.frame_id = stamped(seconds), "/laser"
     return scan
 
