@@ -32,7 +32,7 @@ const std::map<std::string, Case> kCases{
     {"check_occlusion", {0, {"hidden"}}},
     {"occlusion_hidden_fraction", {0.9, {"hidden"}}},
     {"occlusion_stops", {0, {"hidden"}}},
-    {"horizon_s", {0.31, {"way", "commanded"}}},
+    {"horizon_s", {0.31, {"way"}}},
     {"stop_time_s", {0.1, {"way"}}},
     {"reaction_time_s", {0.2, {"way", "moving out", "governed"}}},
     {"deceleration_mps2", {0.5, {"way", "moving out", "governed"}}},

@@ -22,18 +22,20 @@ class OnCases(EvaluateTest):
         if not os.path.isdir(self.cases):
             self.skipTest("TCCM_SHARED_DATA names no folder with cases")
 
-    def reasons(self, bag, urdf, config, out="out"):
-        self.evaluate(os.path.join(self.cases, bag), out=out, config=config, urdf=urdf)
+    def reasons(self, bag, urdf, config, out="out", status=0):
+        """@param status 1 where no scan can be mapped, since the robot cannot be placed."""
+        self.evaluate(os.path.join(self.cases, bag), out=out, config=config, urdf=urdf,
+                      status=status)
         return [(float(row["stamp"] or 0.0), row["reason"]) for row in self.rows("verdicts", out)]
 
-    def case(self, folder, bag, urdf, out="out"):
+    def case(self, folder, bag, urdf, out="out", status=0):
         return self.reasons(bag, os.path.join(self.cases, folder, urdf),
-                            os.path.join(self.cases, folder, "cfg.yaml"), out)
+                            os.path.join(self.cases, folder, "cfg.yaml"), out, status)
 
     def test_two_joint_publishers_contradict_each_other(self):
         dual_arm = os.path.join(HERE, "..", "..", "simulation", "robot", "dual_arm.urdf")
         reasons = self.reasons("two-joint-publishers/zerofirst_box.bag", dual_arm,
-                               os.path.join(CONFIGS, "simulation.yaml"))
+                               os.path.join(CONFIGS, "simulation.yaml"), status=1)
         after = [reason for stamp, reason in reasons if stamp > 1000.1]
         self.assertEqual(set(after), {"JOINT_CONTRADICTED"})
 
@@ -47,7 +49,7 @@ class OnCases(EvaluateTest):
         self.assertEqual(after, {"COLLISION_AHEAD", "JOINT_OUT_OF_RANGE"}, "in the end it is far beyond")
 
     def test_positions_in_degrees_are_a_fault(self):
-        reasons = self.case("units", "units/deg.bag", "arm.urdf")
+        reasons = self.case("units", "units/deg.bag", "arm.urdf", status=1)
         self.assertEqual({reason for _, reason in reasons}, {"JOINT_OUT_OF_RANGE"})
         control = self.case("units", "control_rad.bag", "arm.urdf", "control")
         self.assertEqual(control[-1][1], "COLLISION")
