@@ -16,10 +16,10 @@ struct LaserScan {
   Time stamp;                    ///< of the first beam
   double angle_min = 0.0;        ///< [rad]
   double angle_increment = 0.0;  ///< [rad], may be negative
-  Duration time_increment{0};  ///< between two beams; 0: all at the stamp
-  double range_min = 0.0;      ///< [m]
-  double range_max = 0.0;      ///< [m]
-  std::vector<float> ranges;   ///< [m]; +inf nothing hit, -inf too close, NaN unknown
+  Duration time_increment{0};    ///< between two beams; 0: all at the stamp
+  double range_min = 0.0;        ///< [m]
+  double range_max = 0.0;        ///< [m]
+  std::vector<float> ranges;     ///< [m]; +inf nothing hit, -inf too close, NaN unknown
   /// [rad]; where the last beam leaves, to one increment, by what the driver says. Nothing: not
   /// said.
   std::optional<double> angle_max = {};
