@@ -122,8 +122,8 @@ class Comparison {
     std::size_t expected = 0;
     for (auto& part_map : part_maps_) {
       const auto gone = [&](const MappedReturn& entry) {
-        const Vector3 p(0.02 * (entry.cell % grid.cellsX()) + 0.01,
-                        0.02 * (entry.cell / grid.cellsX()) + 0.01, 0.001 * entry.height);
+        const auto column = entry.cell % grid.cellsX(), row = entry.cell / grid.cellsX();
+        const Vector3 p(0.02 * column + 0.01, 0.02 * row + 0.01, 0.001 * entry.height);
         return distanceBeyondPadding(region, p) <= grown;
       };
       const auto end = std::remove_if(part_map.begin(), part_map.end(), gone);

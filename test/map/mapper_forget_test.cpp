@@ -68,7 +68,8 @@ double beyond(const Region& region, const Vector3& p_fixed) {
 double leastBeyond(const Region& region, const UprightBox& quantum) {
   double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 50; ++i) {
-    const Vector3 share(0.25 * (i % 5), 0.25 * (i / 5 % 5), i / 25);
+    const int column = i % 5, row = i / 5 % 5, layer = i / 25;
+    const Vector3 share(0.25 * column, 0.25 * row, layer);
     least = std::min(least, beyond(region, quantum.min() + share.cwiseProduct(quantum.sizes())));
   }
   return least;

@@ -32,7 +32,7 @@ class Feed {
  public:
   explicit Feed(const Mapper::Config& config = holdingMapper()) : mapper_(config) {}
 
-  void scan(std::vector<Look> looks = {}, int times = 1) {
+  void scan(const std::vector<Look>& looks = {}, int times = 1) {
     for (int i = 0; i < times; ++i) {
       ScanReturns scan;
       scan.stamp = at(kScanPeriod * ++scans_);
