@@ -21,6 +21,8 @@ constexpr std::size_t kWorkOfShape = 30;
 /// Places along a way, in units: eight within the first, four within the second, two in each of the
 /// next two, then one. A slow primitive's way is short.
 constexpr std::size_t kDense = 16;
+constexpr double kUnitsMax = 1e12;  // further than any way that is looked along to its end
+constexpr std::size_t kHalvingsMax = 20;
 double placeOf(std::size_t index) {
   const auto j = static_cast<double>(index);
   if (index < 8) return j / 8.0;
@@ -31,6 +33,7 @@ double placeOf(std::size_t index) {
 /// The first place that is not before that.
 std::size_t placeFrom(double units) {
   std::size_t index = 0;
+  units = std::min(units, kUnitsMax);
   if (units > 4.0) index = 12 + static_cast<std::size_t>(units);
   while (placeOf(index) < units) ++index;
   return index;
@@ -45,6 +48,7 @@ double placeOf(std::size_t index, std::size_t halvings) {
 }
 
 std::size_t placeFrom(double units, std::size_t halvings) {
+  units = std::min(units, kUnitsMax);
   const std::size_t after = placeFrom(units);
   if (after == 0) return 0;
   const double before = placeOf(after - 1), span = placeOf(after) - before;
@@ -182,7 +186,8 @@ void WayAhead::findPerMetre(const Way& way, std::size_t i) {
     if (metres > 0.0) part.per_metre = std::max(part.per_metre, metres / cursor_metres);
   }
   part.halvings = 0;
-  while (std::ldexp(step_m_, static_cast<int>(part.halvings)) < unit_m_ * part.per_metre) {
+  while (part.halvings < kHalvingsMax &&
+         std::ldexp(step_m_, static_cast<int>(part.halvings)) < unit_m_ * part.per_metre) {
     ++part.halvings;
   }
 }

@@ -73,6 +73,10 @@ void WaySpeeds::follow(const Way& way, const Piece& piece, const Halting& haltin
       most_rate_ = piece.rate;
       raise(time_s, piece.rate, halting);
     }
+    if (places_ >= kPlacesMax) {  // nothing more is looked at: the rest of the piece is as this
+      length_ = next_look_ = length_ + piece.length - done;
+      return;
+    }
     const double left = piece.length - done, until_look = next_look_ - length_;
     done = left <= until_look ? piece.length : done + until_look;
     length_ = left <= until_look ? length_ + left : next_look_;
