@@ -147,8 +147,8 @@ struct CuboidMap {
   /// where none is measured the window; 0 before either is known.
   Duration look_period{0};
   /// The share of the returns inside the area that was taken for the robot, over the last period of
-  /// the tilt; 0 where it is not known, or fewer than 50 a scan lie inside.
-  double self_share = 0.0;
+  /// the tilt; nothing where it is not known, or fewer than 50 a scan lie inside.
+  std::optional<double> self_share = {};
   Height thickness = 0;                 ///< d0, quanta
   Vector3 viewpoint = Vector3::Zero();  ///< the sensor's origin at the newest beam, fixed frame [m]
   LookImage looks;                      ///< where the sensor looked, and how far it saw

@@ -49,7 +49,7 @@ class Monitor {
                  const std::string& publisher = {});
   /// A scan came in, and waits for transforms.
   void scanArrived(Time now, Time stamp);
-  /// A scan that came in will not be handed over. @param reason why.
+  /// A scan that came in will not be handed over. @param report says why.
   void scanDropped(Time now, const ScanReport& report);
   /// @param now when it is processed, by the clock of the stamps.
   /// @param T_fixed_sensor the sensor's poses over the scan. @param T_fixed_roots one for each of

@@ -284,13 +284,13 @@ void CheckInputs::appendSensorCauses(Time now, std::vector<Cause>& causes) const
   if (frame_changed_ && now - *frame_changed_ <= kFrameChangeLasts) {
     causes.emplace_back(Reason::kFrameChanged, frame_change_);
   }
-  if (map_ && map_->self_share > config_.self_filter_fraction_max) {
+  if (map_ && map_->self_share && *map_->self_share > config_.self_filter_fraction_max) {
     causes.emplace_back(
         Reason::kBlind,
         lineOf("the self filter takes %.0f %% of what lies inside the area, at most %.0f %% are "
                "believed (self_filter_fraction_max); most of it for '%.100s': see whether it is "
                "described too large",
-               100.0 * map_->self_share, 100.0 * config_.self_filter_fraction_max,
+               100.0 * *map_->self_share, 100.0 * config_.self_filter_fraction_max,
                self_link_.c_str()),
         self_link_);
   }

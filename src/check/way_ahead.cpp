@@ -129,6 +129,7 @@ bool WayAhead::isExhausted() {
 bool WayAhead::lookAlong(const Way& way) {
   speeds_.find(way, halting_);
   poses_ += speeds_.places();
+  is_too_long_ = is_too_long_ || speeds_.exhausted();
   const double look_s = halting_.lookTime(speeds_.fastest());
   if (way.path.end() < std::min(look_s, lookTimeMax())) return false;
   if (look_s > way.path.end()) noteTooFast(way);
@@ -190,6 +191,7 @@ void WayAhead::findPerMetre(const Way& way, std::size_t i) {
          std::ldexp(step_m_, static_cast<int>(part.halvings)) < unit_m_ * part.per_metre) {
     ++part.halvings;
   }
+  is_too_long_ = is_too_long_ || part.halvings == kHalvingsMax;  // a step would pass over something
 }
 
 double WayAhead::moved(std::size_t i, const std::vector<double>& from,

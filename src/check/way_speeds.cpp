@@ -49,10 +49,12 @@ void WaySpeeds::find(const Way& way, const Halting& halting) {
   fastest_mps_ = 0.0;
   length_ = next_look_ = looked_rate_ = most_rate_ = 0.0;
   places_ = 0;
+  exhausted_ = false;
   for (std::size_t point = 0; point + 1 < way.path.size(); ++point) {
     const Piece piece = pieceAfter(way.path, point);
     if (piece.begin_s >= halting.lookTime(fastest_mps_)) return;
     if (piece.rate > 0.0) follow(way, piece, halting);
+    if (exhausted_) return;
   }
 }
 
@@ -65,17 +67,15 @@ void WaySpeeds::follow(const Way& way, const Piece& piece, const Halting& haltin
     }
     const double time_s = piece.begin_s + done / piece.rate;
     if (time_s >= halting.lookTime(fastest_mps_)) return;
-    if (piece.rate > kFaster * looked_rate_ && places_ < kPlacesMax) {
+    if (piece.rate > kFaster * looked_rate_) {
+      exhausted_ = places_ == kPlacesMax;
+      if (exhausted_) return;
       look(way, piece, done);
       looked_rate_ = piece.rate;
     }
     if (piece.rate > most_rate_) {
       most_rate_ = piece.rate;
       raise(time_s, piece.rate, halting);
-    }
-    if (places_ >= kPlacesMax) {  // nothing more is looked at: the rest of the piece is as this
-      length_ = next_look_ = length_ + piece.length - done;
-      return;
     }
     const double left = piece.length - done, until_look = next_look_ - length_;
     done = left <= until_look ? piece.length : done + until_look;

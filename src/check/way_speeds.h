@@ -23,6 +23,9 @@ class WaySpeeds {
   /// The most that a point of the primitive moves at [m/s]. @param shape of the collision body.
   [[nodiscard]] double of(std::size_t shape) const { return speeds_mps_[shape]; }
   [[nodiscard]] double fastest() const { return fastest_mps_; }
+  /// Whether the last find() would have had to look at more places than it may: then something may
+  /// be faster than it found.
+  [[nodiscard]] bool exhausted() const { return exhausted_; }
   /// At how many places the last find() looked.
   [[nodiscard]] std::size_t places() const { return places_; }
 
@@ -54,6 +57,7 @@ class WaySpeeds {
   double next_look_ = 0.0;          ///< length at which it is looked again at the latest
   double looked_rate_ = 0.0, most_rate_ = 0.0;  ///< since then
   std::size_t places_ = 0;
+  bool exhausted_ = false;
   std::vector<double> positions_;  ///< reused
 };
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "tccm_monitor/time.h"
@@ -22,15 +23,17 @@ class SelfShare {
     scans_[(begin_ + count_++) % scans_.size()] = {stamp, self, others};
     self_ += self;
     others_ += others;
-    while (count_ > 1 && stamp - scans_[begin_].stamp > period) drop();
-    whole_ = whole_ || (period > Duration::zero() && dropped_);
+    const bool known = period > Duration::zero();
+    while (known && count_ > 1 && stamp - scans_[begin_].stamp > period) drop();
+    // After a pause of the scans as at the start.
+    is_whole_ = known && stamp - scans_[begin_].stamp >= period - period / 8;
   }
   void clear() { *this = SelfShare(scans_.size()); }
 
-  /// 0 where it is not known: before a whole period, or with too few returns to tell.
-  [[nodiscard]] double share() const {
+  /// Nothing where it is not known: before a whole period, or with too few returns to tell.
+  [[nodiscard]] std::optional<double> share() const {
     const std::size_t all = self_ + others_;
-    if (!whole_ || all < kReturnsMin * count_) return 0.0;
+    if (!is_whole_ || all < kReturnsMin * count_) return std::nullopt;
     return static_cast<double>(self_) / static_cast<double>(all);
   }
   [[nodiscard]] std::size_t memoryBytes() const { return scans_.capacity() * sizeof(Scan); }
@@ -47,14 +50,12 @@ class SelfShare {
     others_ -= scans_[begin_].others;
     begin_ = (begin_ + 1) % scans_.size();
     --count_;
-    dropped_ = true;
   }
 
   std::vector<Scan> scans_;
   std::size_t begin_ = 0, count_ = 0;
   std::size_t self_ = 0, others_ = 0;  ///< of those remembered
-  bool dropped_ = false;
-  bool whole_ = false;  ///< a period has been seen through
+  bool is_whole_ = false;              ///< they reach back for a period, but for a few scans
 };
 
 }  // namespace tccm

@@ -149,7 +149,7 @@ class TccmMapper : public DiagnosedNodelet {
     status.add("cuboids", snapshot_.cuboids.size());
     status.add("window [scans]", mapper_->map().scans());
     const auto tilt = mapper_->tiltPeriod();
-    status.add("share taken for the robot", snapshot_.self_share);
+    if (snapshot_.self_share) status.add("share taken for the robot", *snapshot_.self_share);
     status.add("tilt period [s]", tilt ? std::to_string(toSeconds(*tilt)) : "not measured yet");
     status.add("held intervals", mapper_->held());
     status.add("memory [bytes]", mapper_->memoryBytes() + ages_->memoryBytes());

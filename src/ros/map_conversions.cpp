@@ -123,7 +123,7 @@ void toMessage(const CuboidMap& map, const std::string& frame, tccm_monitor::Cub
   message.overflowed = map.overflowed;
   message.tilt_stopped = map.tilt_stopped;
   message.look_period = toRos(map.look_period);
-  message.self_share = static_cast<float>(map.self_share);
+  message.self_share = static_cast<float>(map.self_share.value_or(NAN));
   message.viewpoint = tf2::toMsg(map.viewpoint);
   toMessage(map.looks, message.looks);
   message.cuboids.resize(map.cuboids.size());
@@ -161,8 +161,9 @@ std::string fromMessage(const tccm_monitor::CuboidMap& message, CuboidMap& map) 
     map.tilt_stopped = message.tilt_stopped;
     map.look_period = Duration(message.look_period.toNSec());
     if (map.look_period < Duration::zero()) return "its look_period is negative";
-    map.self_share = static_cast<double>(message.self_share);
-    if (!(map.self_share >= 0.0 && map.self_share <= 1.0)) {
+    map.self_share.reset();
+    if (!std::isnan(message.self_share)) map.self_share = static_cast<double>(message.self_share);
+    if (map.self_share && !(*map.self_share >= 0.0 && *map.self_share <= 1.0)) {
       return "its self_share is not within 0 and 1";
     }
     map.thickness = map.grid.heightOf(message.thickness);

@@ -143,17 +143,21 @@ TEST(ModelAgreementTest, ALinkThatIsTurnedAgainstTheUrdfIsAFault) {
   }
 }
 
+/// A link that hangs at some distance from its parent, and that offset.
+std::pair<std::string, Vector3> someOffsetLink(Random& random) {
+  const auto model = dualArm();
+  while (true) {
+    const std::string link = randomLink(random);
+    const Vector3 offset = jointAbove(*model, link).T_parent_joint.translation();
+    if (offset.norm() >= 0.05) return {link, offset};
+  }
+}
+
 TEST(ModelAgreementTest, MillimetresForMetresAndTheReverseAreAFault) {
   for (unsigned seed = 0; seed < kMembers; ++seed) {
     Random random(seed);
     Telling telling;
-    const auto model = dualArm();
-    std::string link;
-    Vector3 offset;
-    do {
-      link = randomLink(random);
-      offset = jointAbove(*model, link).T_parent_joint.translation();
-    } while (offset.norm() < 0.05);
+    const auto [link, offset] = someOffsetLink(random);
     const double factor = seed % 2 == 0 ? 1000.0 : 0.001;
     // In the link's own frame, whose joint may have turned it: the length alone counts here.
     telling.lie = displaced(link, moved((factor - 1.0) * offset));
@@ -185,13 +189,7 @@ TEST(ModelAgreementTest, AMirroredMountIsAFault) {
   for (unsigned seed = 0; seed < kMembers; ++seed) {
     Random random(seed);
     Telling telling;
-    const auto model = dualArm();
-    std::string link;
-    Vector3 offset;
-    do {
-      link = randomLink(random);
-      offset = jointAbove(*model, link).T_parent_joint.translation();
-    } while (offset.norm() < 0.05);
+    const auto [link, offset] = someOffsetLink(random);
     telling.lie = displaced(link, moved(-2.0 * offset));
     EXPECT_TRUE(disagrees(hear(telling, seed))) << seed << " " << link;
   }

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "map/integration_map.h"
+#include "support/beyond_padding.h"
 #include "support/birth_array.h"
 #include "support/part_union.h"
 #include "support/random.h"
@@ -33,17 +34,6 @@ Region randomRegion(test::Random& random, const UprightBox& where) {
         {{random.shape(kind), pose}, random.chance(0.3) ? 0.0 : random.uniform(0.0, 0.02)});
   }
   return region;
-}
-
-/// The least of the distances beyond each shape's padding.
-double distanceBeyondPadding(const Region& region, const Vector3& p_fixed) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const auto& [placed, padding] : region) {
-    const Vector3 p_shape =
-        placed.pose.linear().transpose() * (p_fixed - placed.pose.translation());
-    least = std::min(least, distance(placed.shape, p_shape) - padding);
-  }
-  return least;
 }
 
 /// 20 x 20 cells of 20 mm from 0 to 1 m.
@@ -74,7 +64,7 @@ TEST(ForgetStreamsTest, AllThatWereInsideLeaveAndNoneFromFurtherThanACellsDiagon
     map.forget(region, atScan(round));
     const CuboidMap snapshot = snapshotOf(map);
     for (CellIndex cell = 0; cell < cells; ++cell) {
-      const double beyond = distanceBeyondPadding(region, points[cell]);
+      const double beyond = test::distanceBeyondPadding(region, points[cell]);
       const bool stayed = snapshot.cell_begin[cell + 1] > snapshot.cell_begin[cell];
       if (beyond <= 0.0) {
         ASSERT_FALSE(stayed);
@@ -104,7 +94,7 @@ class Comparison {
     const std::size_t before = test::mappedReturns(map_.grid(), points).size();
     const auto gone = [&](const Vector3& p) {
       return std::any_of(told_.begin(), told_.end(), [&](const auto& told) {
-        return stamp <= told.second && distanceBeyondPadding(told.first, p) <= 0.0;
+        return stamp <= told.second && test::distanceBeyondPadding(told.first, p) <= 0.0;
       });
     };
     points.erase(std::remove_if(points.begin(), points.end(), gone), points.end());
@@ -124,7 +114,7 @@ class Comparison {
       const auto gone = [&](const MappedReturn& entry) {
         const auto column = entry.cell % grid.cellsX(), row = entry.cell / grid.cellsX();
         const Vector3 p(0.02 * column + 0.01, 0.02 * row + 0.01, 0.001 * entry.height);
-        return distanceBeyondPadding(region, p) <= grown;
+        return test::distanceBeyondPadding(region, p) <= grown;
       };
       const auto end = std::remove_if(part_map.begin(), part_map.end(), gone);
       expected += static_cast<std::size_t>(part_map.end() - end);

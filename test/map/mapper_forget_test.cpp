@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "map/mapper.h"
+#include "support/beyond_padding.h"
 #include "support/hold_feed.h"
 #include "support/random.h"
 
@@ -53,24 +54,14 @@ TEST(MapperForgetTest, OfAHeldColumnTheRobotTakesWhatLiesInTheRegionAndNoMore) {
   }
 }
 
-/// The least of the distances beyond each shape's padding.
-double beyond(const Region& region, const Vector3& p_fixed) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const auto& [placed, padding] : region) {
-    const Vector3 p_shape =
-        placed.pose.linear().transpose() * (p_fixed - placed.pose.translation());
-    least = std::min(least, distance(placed.shape, p_shape) - padding);
-  }
-  return least;
-}
-
 /// Of points all over a cell's quantum.
 double leastBeyond(const Region& region, const UprightBox& quantum) {
   double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 50; ++i) {
     const int column = i % 5, row = i / 5 % 5, layer = i / 25;
     const Vector3 share(0.25 * column, 0.25 * row, layer);
-    least = std::min(least, beyond(region, quantum.min() + share.cwiseProduct(quantum.sizes())));
+    least = std::min(least, test::distanceBeyondPadding(
+                                region, quantum.min() + share.cwiseProduct(quantum.sizes())));
   }
   return least;
 }

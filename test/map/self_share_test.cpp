@@ -16,22 +16,36 @@ constexpr Duration kPeriod = std::chrono::seconds(2);
 
 Time atScan(int scan) { return Time(fromSeconds(100.0 + scan * kScanPeriod)); }
 
-double shareAfter(int scans, std::size_t self, std::size_t others, Duration period = kPeriod) {
+std::optional<double> shareAfter(int scans, std::size_t self, std::size_t others,
+                                 Duration period = kPeriod) {
   SelfShare share(300);
   for (int i = 0; i < scans; ++i) share.add(atScan(i), self, others, period);
   return share.share();
 }
 
 TEST(SelfShareTest, IsKnownOnceAPeriodWasSeenThrough) {
-  EXPECT_EQ(shareAfter(79, 97, 3), 0.0);
-  EXPECT_DOUBLE_EQ(shareAfter(90, 97, 3), 0.97);
-  EXPECT_EQ(shareAfter(1000, 97, 3, Duration::zero()), 0.0) << "no period";
+  EXPECT_FALSE(shareAfter(70, 97, 3));
+  EXPECT_DOUBLE_EQ(shareAfter(90, 97, 3).value(), 0.97);
+  EXPECT_FALSE(shareAfter(1000, 97, 3, Duration::zero())) << "no period";
+}
+
+TEST(SelfShareTest, IsNotToldOfAPartOfAPeriodWhenThatIsMeasuredFirstNorAfterAPause) {
+  SelfShare share(300);
+  for (int i = 0; i < 30; ++i) share.add(atScan(i), 97, 3, Duration::zero());
+  share.add(atScan(30), 97, 3, kPeriod);
+  EXPECT_FALSE(share.share());
+  for (int i = 31; i < 120; ++i) share.add(atScan(i), 97, 3, kPeriod);
+  EXPECT_TRUE(share.share());
+  for (int i = 400; i < 470; ++i) {
+    share.add(atScan(i), 97, 3, kPeriod);
+    EXPECT_FALSE(share.share()) << i;
+  }
 }
 
 TEST(SelfShareTest, IsNotToldOfFewReturns) {
-  EXPECT_EQ(shareAfter(200, 49, 0), 0.0);
+  EXPECT_FALSE(shareAfter(200, 49, 0));
   EXPECT_EQ(shareAfter(200, 50, 0), 1.0);
-  EXPECT_EQ(shareAfter(200, 0, 0), 0.0);
+  EXPECT_FALSE(shareAfter(200, 0, 0));
 }
 
 TEST(SelfShareTest, IsThatOfTheLastPeriodByBruteForce) {
@@ -50,7 +64,7 @@ TEST(SelfShareTest, IsThatOfTheLastPeriodByBruteForce) {
     double self = 0.0, all = 0.0;
     for (const auto& [s, o] : last)
       self += static_cast<double>(s), all += static_cast<double>(s + o);
-    EXPECT_NEAR(share.share(), self / all, 1e-12);
+    EXPECT_NEAR(share.share().value(), self / all, 1e-12);
   }
 }
 
@@ -68,9 +82,9 @@ TEST(SelfShareTest, TheMapHasThatOfItsArea) {
     scan.points.resize(300, outside);
     mapper.add(scan);
   }
-  EXPECT_DOUBLE_EQ(test::snapshotOf(mapper).self_share, 0.75);
+  EXPECT_DOUBLE_EQ(test::snapshotOf(mapper).self_share.value(), 0.75);
   mapper.clear();
-  EXPECT_EQ(test::snapshotOf(mapper).self_share, 0.0);
+  EXPECT_FALSE(test::snapshotOf(mapper).self_share);
 }
 
 }  // namespace
