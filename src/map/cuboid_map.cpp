@@ -104,15 +104,17 @@ Height Grid::heightCeil(double z) const {
 }
 
 UprightBox Grid::box(CellIndex cell, int bottom, int top) const {
-  const double x = config_.origin_x_m + (cell % cells_x_) * config_.cell_size_m;
-  const double y = config_.origin_y_m + (cell / cells_x_) * config_.cell_size_m;
+  const CellIndex column = cell % cells_x_, row = cell / cells_x_;
+  const double x = config_.origin_x_m + column * config_.cell_size_m;
+  const double y = config_.origin_y_m + row * config_.cell_size_m;
   return {Vector3(x, y, metres(bottom)),
           Vector3(x + config_.cell_size_m, y + config_.cell_size_m, metres(top))};
 }
 
 Eigen::Vector2d Grid::centre(CellIndex cell) const {
-  return {config_.origin_x_m + (cell % cells_x_ + 0.5) * config_.cell_size_m,
-          config_.origin_y_m + (cell / cells_x_ + 0.5) * config_.cell_size_m};
+  const CellIndex column = cell % cells_x_, row = cell / cells_x_;
+  return {config_.origin_x_m + (column + 0.5) * config_.cell_size_m,
+          config_.origin_y_m + (row + 0.5) * config_.cell_size_m};
 }
 
 Grid::Footprint Grid::footprint(const UprightBox& box) const {
