@@ -29,13 +29,14 @@ class WayAheadTest : public ::testing::Test {
     robot_ = test::checked(model_, LinkUse({1.0, kPadding}), collision);
   }
 
-  /// Along a way of the hand through such places, evenly over a second.
-  void look(const std::vector<double>& places, double delay_s, double margin_max_m = 0.1) {
+  /// Along a way of the hand through such places, evenly over that time.
+  void look(const std::vector<double>& places, double delay_s, double margin_max_m = 0.1,
+            double over_s = 1.0) {
     JointPath path(2);
     for (std::size_t i = 0; i < places.size(); ++i) {
       std::vector<double> positions(2, 0.0);
       positions[model_->variables()[0].name == "slide" ? 0 : 1] = places[i];
-      path.add(static_cast<double>(i) / static_cast<double>(places.size() - 1), positions);
+      path.add(over_s * static_cast<double>(i) / static_cast<double>(places.size() - 1), positions);
     }
     ahead_ = std::make_unique<WayAhead>(robot_, 0.02, margin_max_m);
     PoseCheck here(robot_, 1.5);
@@ -69,6 +70,15 @@ TEST_F(WayAheadTest, InFreeSpaceAFewPlacesAreEnough) {
   look({0.0, 0.8}, 0.05);
   EXPECT_FALSE(ahead_->touch() || ahead_->margin());
   EXPECT_LE(ahead_->poses(), 10U);
+}
+
+TEST_F(WayAheadTest, AWayThatIsTooLongToBeLookedAtSaysSo) {
+  look({0.0, 40.0}, 0.0, 0.1, 2.0);
+  EXPECT_FALSE(ahead_->isTooLong()) << "200 places, a fifth of a metre apart";
+  for (const double metres : {60.0, 1e3, 1e6, 1e12}) {
+    look({0.0, metres}, 0.0, 0.1, 2.0);
+    EXPECT_TRUE(ahead_->isTooLong()) << metres;
+  }
 }
 
 TEST_F(WayAheadTest, ThereAndBackIsFollowedToItsTurn) {
