@@ -66,7 +66,7 @@ void Evaluation::compareWithModel() {
 }
 
 void Evaluation::finish() {
-  if (source_.waiting() > 0) source_.drain();
+  source_.drain(filteredJoints());
   for (const auto& [reason, count] : source_.dropped()) totals_.scans_dropped[reason] += count;
   totals_.last_stamp = now_;
 }
@@ -91,9 +91,12 @@ void Evaluation::resetAfterJump() {
   in_a_run_ = false;
 }
 
+const JointStates* Evaluation::filteredJoints() const {
+  return monitor_.body() ? &monitor_.body()->joints() : nullptr;
+}
+
 void Evaluation::mapReady() {
-  const JointStates* joints = monitor_.body() ? &monitor_.body()->joints() : nullptr;
-  while (const ScanSource::Ready* ready = source_.next(joints, *now_)) {
+  while (const ScanSource::Ready* ready = source_.next(filteredJoints(), *now_)) {
     Stopwatch stopwatch;
     const auto outcome =
         monitor_.addScan(*now_, ready->scan, ready->T_fixed_sensor, ready->T_fixed_roots);

@@ -131,6 +131,8 @@ class Evaluation {
   void resetAfterJump();
   /// Maps the scans whose transforms have come, and checks after each.
   void mapReady();
+  /// Of the robot that is filtered out; nothing where none is.
+  [[nodiscard]] const JointStates* filteredJoints() const;
   void count(const Monitor::ScanOutcome& outcome);
   void check();
   void noteStop(const Verdict& verdict);

@@ -97,12 +97,17 @@ class ScanSource {
     }
     return nullptr;
   }
-  /// Drops what still waits.
-  void drain() {
+  /// Drops what still waits. @param joints as for next().
+  void drain(const JointStates* joints) {
     for (const Ready& scan : waiting_) {
+      if (!covers(joints, scan.scan)) {
+        countDrop(scan.scan.stamp, "no_joint_states",
+                  "the recording ended before joint states around its beams came");
+        continue;
+      }
       const std::string unknown = unknownFrame(scan);
       countDrop(scan.scan.stamp, "no_transform",
-                unknown.empty() ? "the recording ended while it waited" : unknown);
+                unknown.empty() ? "the recording ended before its transforms came" : unknown);
     }
     waiting_.clear();
   }

@@ -229,7 +229,7 @@ TEST_F(ScanSourceTest, DrainingDropsAndCountsWhatWaits) {
   ScanSource source = this->source();
   source.add(scanAt(1.0), "laser", at(1.03));
   source.add(scanAt(1.03), "laser", at(1.06));
-  source.drain();
+  source.drain(nullptr);
   EXPECT_EQ(source.waiting(), 0U);
   EXPECT_EQ(source.dropped().at("no_transform"), 2U);
 }
@@ -261,6 +261,16 @@ TEST_F(ScanSourceWithRobotTest, WhereJointStatesNeverComeTheDropSaysSo) {
   hearFromTo("root", 0.95, 1.15);
   source_.add(scanAt(1.0), "laser", at(1.03));
   EXPECT_EQ(source_.next(&joints_, at(1.54)), nullptr);
+  EXPECT_EQ(source_.dropped().at("no_joint_states"), 1U);
+}
+
+TEST_F(ScanSourceWithRobotTest, DrainingTellsWhatEachWaitedFor) {
+  addJoints(0.99);
+  addJoints(1.03);
+  source_.add(scanAt(1.0), "laser", at(1.03));
+  source_.add(scanAt(1.03), "laser", at(1.06));
+  source_.drain(&joints_);
+  EXPECT_EQ(source_.dropped().at("no_transform"), 1U);
   EXPECT_EQ(source_.dropped().at("no_joint_states"), 1U);
 }
 

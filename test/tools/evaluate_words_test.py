@@ -195,6 +195,14 @@ class NothingMappedTest(WordsTest):
         self.play(stream, robot=False, status=1)
         self.assertIn("15 min", self.done.stderr)
 
+    def test_a_recording_shorter_than_the_wait_for_joint_states_asks_for_them(self):
+        stream = Stream(0.3)
+        silent_joints(stream, random.Random(0))
+        summary = self.play(stream, config=self.FILTERS, status=1)
+        self.assertEqual(summary["scans_dropped"], {"no_joint_states": summary["scans_received"]})
+        self.assertIn("the recording ended before joint states", self.done.stderr)
+        self.assertIn("topics/joint_states", self.done.stderr)
+
     def test_a_recording_of_which_a_few_scans_are_mapped_is_done(self):
         for seed in range(MEMBERS):
             with self.subTest(seed=seed):
