@@ -144,23 +144,31 @@ class MonotoneTest : public ::testing::Test {
     return answer;
   }
 
-  /// Anywhere, or where a primitive is to be within the next 0.6 s.
+  /// Anywhere, about where a primitive is to be, or so that it touches just then.
   [[nodiscard]] static UprightBox obstacle(const Scene& scene, Random& random) {
     const Vector3 size(random.uniform(0.005, 0.1), random.uniform(0.005, 0.15),
                        random.uniform(0.02, 0.3));
     Vector3 low(random.uniform(-0.5, 0.8), random.uniform(-0.5, 0.5), random.uniform(0.0, 0.4));
-    if (random.chance(0.7)) {
-      Kinematics kinematics(scene.model);
-      std::vector<double> positions = scene.positions;
-      const double time_s = random.uniform(0.2, 0.6);
-      for (std::size_t v = 0; v < positions.size(); ++v) {
-        positions[v] += time_s * scene.velocities[v];
-      }
-      const auto& poses = kinematics.update(positions, kAtOrigin).T_fixed_shapes;
-      const auto shape = static_cast<std::size_t>(random.integer(0, 2));
-      low = poses[shape].translation() - 0.5 * size + random.point(0.08);
+    if (random.chance(0.3)) return {low, low + size};
+    const auto shape = static_cast<std::size_t>(random.integer(0, 2));
+    const double time_s = random.uniform(0.25, 0.55);
+    const Vector3 then = placeOf(scene, shape, time_s);
+    const Vector3 way = then - placeOf(scene, shape, time_s - 0.01);
+    if (random.chance(0.5) || way.norm() < 1e-4) {
+      low = then - 0.5 * size + random.point(0.08);
+      return {low, low + size};
     }
+    const Vector3 ahead = way.normalized();
+    const double reach = boundingRadius(scene.model->shapes()[shape].shape) + scene.padding_m;
+    low = then + ahead * (reach + 0.5 * size.dot(ahead.cwiseAbs())) - 0.5 * size;
     return {low, low + size};
+  }
+
+  static Vector3 placeOf(const Scene& scene, std::size_t shape, double time_s) {
+    std::vector<double> positions = scene.positions;
+    for (std::size_t v = 0; v < positions.size(); ++v) positions[v] += time_s * scene.velocities[v];
+    Kinematics kinematics(scene.model);
+    return kinematics.update(positions, kAtOrigin).T_fixed_shapes[shape].translation();
   }
 
   Scene scene(Random& random) const {
@@ -168,8 +176,9 @@ class MonotoneTest : public ::testing::Test {
     scene.model = random.chance(0.5) ? rails_ : arm_;
     const double fast = random.chance(0.2) ? 3.0 : 0.8;
     for (std::size_t v = 0; v < scene.model->variables().size(); ++v) {
+      const double slower = random.chance(0.3) ? 0.1 : 1.0;
       scene.positions.push_back(random.uniform(-0.4, 0.4));
-      scene.velocities.push_back(random.chance(0.2) ? 0.0 : random.uniform(-fast, fast));
+      scene.velocities.push_back(random.chance(0.2) ? 0.0 : slower * random.uniform(-fast, fast));
     }
     const int obstacles = random.integer(1, 3);
     for (int i = 0; i < obstacles; ++i) scene.obstacles.push_back(obstacle(scene, random));
@@ -193,9 +202,9 @@ class MonotoneTest : public ::testing::Test {
   std::map<std::string, int> pairs_, changed_;
 };
 
-TEST_F(MonotoneTest, OfTenThousandScenesNoneIsJudgedMilderForMore) {
+TEST_F(MonotoneTest, OfThousandsOfScenesNoneIsJudgedMilderForMore) {
   Random random(19);
-  for (int i = 0; i < 2300; ++i) {
+  for (int i = 0; i < 5000; ++i) {
     const Scene base = scene(random);
     const Answer one = judge(base);
     Scene more = base;
@@ -216,7 +225,10 @@ TEST_F(MonotoneTest, OfTenThousandScenesNoneIsJudgedMilderForMore) {
     more = base;
     const double faster = 1.0 + std::pow(10.0, random.uniform(-3.0, 0.5));
     for (double& velocity : more.velocities) velocity *= faster;
-    expectNeverMilder("speed", one, judge(more));
+    // Of the way out of a contact 10 s are looked along: slowly, 100 mm take longer.
+    const bool is_slow = std::any_of(base.velocities.begin(), base.velocities.end(),
+                                     [](double v) { return v != 0.0 && std::abs(v) < 0.01; });
+    if (!one.touches_now || !is_slow) expectNeverMilder("speed", one, judge(more));
 
     more = base;
     for (const double velocity : base.velocities) {
@@ -238,7 +250,7 @@ TEST_F(MonotoneTest, OfTenThousandScenesNoneIsJudgedMilderForMore) {
     EXPECT_GT(changed_[what], number / 100) << what << ": it has to make a difference";
     RecordProperty(what, number);
   }
-  EXPECT_GE(pairs, 10000);
+  EXPECT_GE(pairs, 20000);
 }
 
 }  // namespace
