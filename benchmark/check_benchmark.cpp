@@ -9,7 +9,7 @@
 #include "check/checker_config.h"
 #include "latencies.h"
 #include "support/table_scene.h"
-#include "support/tiny_robot.h"
+#include "support/wild_checker.h"
 
 namespace tccm {
 namespace {
@@ -44,31 +44,21 @@ void checkTwoPoses(benchmark::State& state, bool occlusion, double shoulder) {
                                                  findings_ahead.occluding_cuboids.size());
 }
 
-/// The longest check there is: a joint that turns without limits, just below the speed that is
-/// believed, its link beside the table.
-void checkAFastJoint(benchmark::State& state) {
-  const std::string arm = test::collisionOf("<box size=\"0.5 0.05 0.05\"/>", "0.25 0 0");
-  Checker checker(test::modelOf(test::robotOf(
-                      test::linkOf("base") + test::linkOf("arm", arm) +
-                      test::jointOf("roll", "continuous", "base", "arm",
-                                    "<origin xyz=\"0.2 0 0.9\"/>" + test::axisOf("0 0 1")))),
-                  Checker::Config());
-  auto map = std::make_shared<CuboidMap>(test::tableMap());
-  checker.setRootPose(0, Time(), Pose::Identity(), true);
+/// Whole checks of joint states of every magnitude, the arms' way ahead included: `max_us` is of
+/// the longest.
+void checkWildJoints(benchmark::State& state) {
+  test::WildChecker wild(simulation::dualArm());
+  test::Random random(1);
   Latencies latencies;
-  double time_s = 1.0;
   for (auto _ : state) {
-    time_s += 0.01;
-    const Time now(fromSeconds(time_s));
-    map->stamp = now;
-    ++map->serial;
-    checker.setMap(now, map);
-    checker.addJoints(now, now, {"roll"}, {std::remainder(99.0 * time_s, 2.0 * M_PI)}, {99.0});
-    latencies.time([&] { checker.check(now); });
+    state.PauseTiming();
+    wild.feedSomeWild(random);
+    state.ResumeTiming();
+    latencies.time([&] { wild.checker.check(wild.now); });
   }
   latencies.report(state);
 }
-BENCHMARK(checkAFastJoint);
+BENCHMARK(checkWildJoints)->Iterations(10000);
 
 constexpr double kOverTheTable = -0.75;
 constexpr double kInTheTable = -0.55;

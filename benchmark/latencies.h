@@ -24,6 +24,7 @@ class Latencies {
     std::sort(times_us_.begin(), times_us_.end());
     state.counters["p50_us"] = percentile(0.5);
     state.counters["p99_us"] = percentile(0.99);
+    state.counters["max_us"] = percentile(1.0);
   }
 
  private:

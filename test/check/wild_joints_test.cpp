@@ -11,6 +11,7 @@
 #include "support/checker_fixture.h"
 #include "support/random.h"
 #include "support/table_scene.h"
+#include "support/wild_checker.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
@@ -30,11 +31,6 @@ double cpuTime() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-double wild(Random& random) {
-  if (random.chance(0.05)) return random.chance(0.5) ? kNaN : random.chance(0.5) ? kInfinity : 0.0;
-  return std::pow(10.0, random.uniform(-12.0, 12.0)) * (random.chance(0.5) ? 1.0 : -1.0);
-}
-
 /// A joint that turns without limits, one that slides without, and one that turns at a gear.
 std::shared_ptr<const RobotModel> unlimitedModel() {
   const std::string arm = collisionOf("<box size=\"0.5 0.05 0.05\"/>", "0.25 0 0");
@@ -48,44 +44,12 @@ std::shared_ptr<const RobotModel> unlimitedModel() {
               axisOf("0 1 0") + "<mimic joint=\"roll\" multiplier=\"97.5\"/>")));
 }
 
-/// A checker of any robot before the table, fed by hand.
-struct WildChecker {
-  explicit WildChecker(std::shared_ptr<const RobotModel> of_model)
-      : model(std::move(of_model)), checker(model, Checker::Config()) {
-    for (const JointVariable& variable : model->variables()) names.push_back(variable.name);
-    *map = tableMap();
-    checker.setRootPose(0, Time(), Pose::Identity(), true);
-  }
-
-  void feed(const std::vector<double>& positions, const std::vector<double>& velocities) {
-    now += std::chrono::milliseconds(10);
-    auto copy = std::make_shared<CuboidMap>(*map);
-    copy->stamp = now;
-    copy->serial = ++serial;
-    checker.setMap(now, copy);
-    checker.addJoints(now, now, names, positions, velocities);
-  }
-  /// @return how long a check takes [s].
-  double timeOfCheck() {
-    const double begun = cpuTime();
-    checker.check(now);
-    return cpuTime() - begun;
-  }
-  [[nodiscard]] std::vector<double> someWild(Random& random) const {
-    std::vector<double> values;
-    for (std::size_t v = 0; v < names.size(); ++v) {
-      values.push_back(random.chance(0.5) ? random.uniform(-1.0, 1.0) : wild(random));
-    }
-    return values;
-  }
-
-  std::shared_ptr<const RobotModel> model;
-  Checker checker;
-  std::vector<std::string> names;
-  std::shared_ptr<CuboidMap> map = std::make_shared<CuboidMap>();
-  Time now = at(kStart);
-  std::uint32_t serial = 0;
-};
+/// @return how long a check takes [s].
+double timeOfCheck(Checker& checker, Time now) {
+  const double begun = cpuTime();
+  checker.check(now);
+  return cpuTime() - begun;
+}
 
 /// Kept in the test's results, in microseconds.
 double noted(const std::string& what, double seconds) {
@@ -96,13 +60,9 @@ double noted(const std::string& what, double seconds) {
 /// The longest of so many checks, each from random joint states [s].
 double longestCheck(WildChecker&& wild, Random& random, int times) {
   double longest = 0.0;
-  const std::vector<double> zeros(wild.names.size(), 0.0);
   for (int i = 0; i < times; ++i) {
-    if (i % 10 == 0) wild.checker.startAnew();
-    if (i % 10 == 0) wild.checker.setRootPose(0, Time(), Pose::Identity(), true);
-    if (i % 10 == 0) wild.feed(zeros, zeros);
-    wild.feed(random.chance(0.5) ? zeros : wild.someWild(random), wild.someWild(random));
-    longest = std::max(longest, wild.timeOfCheck());
+    wild.feedSomeWild(random);
+    longest = std::max(longest, timeOfCheck(wild.checker, wild.now));
   }
   return longest;
 }
@@ -122,7 +82,7 @@ TEST(WildJointsTest, NoCheckTakesLongerThanItsLimitJustBelowTheSpeedsThatAreBeli
   for (int i = 0; i < 300; ++i) {
     wild.feed({std::remainder(i * 0.01 * 99.0, 2.0 * M_PI), 0.2},
               {99.0, random.uniform(-9.9, 9.9)});
-    longest = std::max(longest, wild.timeOfCheck());
+    longest = std::max(longest, timeOfCheck(wild.checker, wild.now));
   }
   EXPECT_LT(noted("check_us", longest), kCheckMax);
 }
@@ -162,7 +122,7 @@ std::pair<double, double> longestAnswer(WildChecker&& wild, Random& random, int 
     }
     if (i % 10 != 0) continue;
     static_cast<void>(wild.checker.command(wild.now, trajectory));
-    longest_check = std::max(longest_check, wild.timeOfCheck());
+    longest_check = std::max(longest_check, timeOfCheck(wild.checker, wild.now));
     static_cast<void>(wild.checker.command(wild.now, {wild.names, {}}));
   }
   return {longest, longest_check};
