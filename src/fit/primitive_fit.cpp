@@ -22,14 +22,13 @@
 #include "config/parameter_table.h"
 #include "fit/enclosing.h"
 #include "fit/mesh_partition.h"
+#include "fit/overhang.h"
 #include "fit/points.h"
 #include "mesh/text.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {
-
-using Points = std::vector<Vector3>;
 
 void requireSound(const Mesh& mesh, const std::string& owner) {
   constexpr double kFarthest = 1e3;  // [m]; beyond it is a slip of units
@@ -46,51 +45,6 @@ void requireSound(const Mesh& mesh, const std::string& owner) {
     if (*std::max_element(triangle.begin(), triangle.end()) < mesh.vertices.size()) continue;
     throw ConfigError(owner + ": the mesh has a triangle of a vertex that it has not");
   }
-}
-
-/// How far the shape reaches from its centre along a direction in its own frame [m].
-double reach(const Shape& shape, const Vector3& n) {
-  if (const auto* box = std::get_if<Box>(&shape)) return n.cwiseAbs().dot(box->half_extents);
-  if (const auto* c = std::get_if<Cylinder>(&shape)) {
-    return c->radius * std::hypot(n.x(), n.y()) + c->half_length * std::abs(n.z());
-  }
-  if (const auto* c = std::get_if<Capsule>(&shape)) {
-    return c->radius + c->half_length * std::abs(n.z());
-  }
-  return std::get<Sphere>(shape).radius;
-}
-
-/// The furthest that a point of the primitive is from the points' hull, which lies inside: the
-/// largest difference of how far both reach along a direction. Tried for an even spread of
-/// directions, then around the best.
-double overhang(const PlacedShape& primitive, const Points& points) {
-  static const std::vector<Vector3> kSpread = hemisphereDirections(400);
-  const Points hull = convexHull(points).surface.vertices;
-  const Eigen::Map<const Matrix3X> vertices(hull.front().data(), 3,
-                                            static_cast<Eigen::Index>(hull.size()));
-  Vector3 best = Vector3::UnitZ();
-  double most = 0.0;
-  const auto tryDirection = [&](const Vector3& n) {
-    const double own = n.dot(primitive.pose.translation()) +
-                       reach(primitive.shape, primitive.pose.linear().transpose() * n);
-    const double beyond = own - (n.transpose() * vertices).maxCoeff();
-    if (beyond <= most) return;
-    most = beyond;
-    best = n;
-  };
-  for (const Vector3& n : kSpread) {
-    tryDirection(n);
-    tryDirection(-n);
-  }
-  for (double step = 0.05; step > 1e-3; step *= 0.7) {
-    const Eigen::Matrix3d axes = axesAbout(best);
-    for (int i = 0; i < 6; ++i) {
-      const double angle = i * M_PI / 3.0;
-      const Vector3 aside(std::cos(angle) * step, std::sin(angle) * step, 1.0);
-      tryDirection((axes * aside).normalized());
-    }
-  }
-  return most;
 }
 
 PrimitiveFit fitted(const std::vector<MeshPart>& parts, double margin_m) {
@@ -120,7 +74,7 @@ namespace fs = std::filesystem;
 
 /// Part of every fit's identity. To be raised whenever the fitting, the reading of meshes or the
 /// form of the cache's files changes.
-constexpr int kFitCacheVersion = 3;
+constexpr int kFitCacheVersion = 4;
 
 constexpr std::size_t kFileMax = 1U << 20U;  // bytes; a fit has some hundreds
 
@@ -274,7 +228,7 @@ PrimitiveFit FitCache::fit(const std::string& mesh_content, const std::string& k
   if (found != known_.end()) return found->second;
   const fs::path path = fs::path(folder_) / (identity + ".fit");
   const auto saved = folder_.empty() ? std::nullopt : savedFit(path, identity);
-  const PrimitiveFit fit = saved ? *saved : compute();
+  PrimitiveFit fit = saved ? *saved : compute();
   known_.emplace(identity, fit);
   if (saved || folder_.empty()) return fit;
   try {
