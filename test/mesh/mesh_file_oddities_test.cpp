@@ -38,6 +38,15 @@ Triangles randomTriangles(Random& random, int least = 1) {
   return triangles;
 }
 
+/// At least one.
+std::string randomBytes(Random& random, int most) {
+  std::string bytes;
+  for (int i = random.integer(1, most); i > 0; --i) {
+    bytes += static_cast<char>(random.integer(0, 255));
+  }
+  return bytes;
+}
+
 /// Each corner its own vertex, after some that no face uses.
 std::string objOf(const Triangles& triangles, const std::vector<Vector3>& unused) {
   std::ostringstream text;
@@ -48,6 +57,16 @@ std::string objOf(const Triangles& triangles, const std::vector<Vector3>& unused
     text << "f -3 -2 -1\n";
   }
   return text.str();
+}
+
+/// The made file with further vertices behind its own four.
+ColladaText withVertices(int count, const std::string& numbers) {
+  ColladaText text;
+  const std::string floats = std::to_string(12 + 3 * count);
+  text.array = "<float_array id=\"a\" count=\"" + floats + "\">0 0 0 1 0 0 0 2 0 0 0 3" + numbers +
+               "</float_array>";
+  text.accessor = "source=\"#a\" count=\"" + std::to_string(4 + count) + "\" stride=\"3\"";
+  return text;
 }
 
 TEST(MeshFileOdditiesTest, VerticesThatNoFaceUsesAreLeftOutAndCounted) {
@@ -66,6 +85,22 @@ TEST(MeshFileOdditiesTest, VerticesThatNoFaceUsesAreLeftOutAndCounted) {
   }
 }
 
+TEST(MeshFileOdditiesTest, VerticesOfAColladaFileThatNoFaceUsesAreLeftOutAndCounted) {
+  const Mesh whole = readMesh(collada({}), "a.dae", {});
+  EXPECT_TRUE(whole.warnings.empty());
+  for (unsigned seed = 0; seed < kMembers; ++seed) {
+    Random random(seed);
+    const int unused = random.integer(1, 50);
+    std::ostringstream more;
+    for (int i = 0; i < unused; ++i) more << " " << random.point(5.0).transpose();
+    const Mesh mesh = readMesh(collada(withVertices(unused, more.str())), "a.dae", {});
+    EXPECT_EQ(mesh.vertices, whole.vertices) << seed;
+    EXPECT_EQ(mesh.triangles, whole.triangles) << seed;
+    ASSERT_EQ(mesh.warnings.size(), 1U) << seed;
+    EXPECT_TRUE(has(mesh.warnings[0], std::to_string(unused) + " of its ")) << seed;
+  }
+}
+
 TEST(MeshFileOdditiesTest, WhereAnUnusedVertexIsMattersToNobody) {
   for (const char* place : {"nan 0 0", "1e9 0 0", "inf inf inf"}) {
     const Mesh mesh =
@@ -79,10 +114,8 @@ TEST(MeshFileOdditiesTest, BytesBehindTheLastFacetOfAnStlArePassedOver) {
     Random random(seed);
     const Triangles triangles = randomTriangles(random);
     const std::string stl = binaryStl(triangles, random.chance(0.5) ? "solid x" : "x");
-    std::string behind;
-    for (int i = random.integer(1, 200); i > 0; --i) {
-      behind += static_cast<char>(seed % 3 == 0 ? 0 : random.integer(0, 255));
-    }
+    const std::string behind =
+        seed % 3 == 0 ? std::string(seed + 1, '\0') : randomBytes(random, 200);
     const Mesh mesh = readMesh(stl + behind, "a.stl", {});
     EXPECT_EQ(mesh.triangles.size(), triangles.size()) << seed;
     ASSERT_EQ(mesh.warnings.size(), 1U) << seed;
@@ -92,13 +125,19 @@ TEST(MeshFileOdditiesTest, BytesBehindTheLastFacetOfAnStlArePassedOver) {
 }
 
 TEST(MeshFileOdditiesTest, BytesBehindTheEndOfAnAsciiStlArePassedOver) {
-  for (const std::string& behind : {std::string("\0", 1), std::string("exported by hand\n"),
-                                    std::string("\n\x1a"), std::string(512, '\0')}) {
+  std::vector<std::string> tails{std::string("\0", 1), "exported by hand\n", "\n\x1a",
+                                 std::string(512, '\0')};
+  for (unsigned seed = 0; seed < kMembers; ++seed) {
+    Random random(seed);
+    tails.push_back("x" + randomBytes(random, 200));
+    const std::string blank(static_cast<std::size_t>(random.integer(0, 50)), " \n\t"[seed % 3]);
+    EXPECT_TRUE(readMesh(test::kAsciiStl + blank, "a.stl", {}).warnings.empty()) << seed;
+  }
+  for (const std::string& behind : tails) {
     const Mesh mesh = readMesh(test::kAsciiStl + behind, "a.stl", {});
     EXPECT_EQ(mesh.triangles.size(), 2U);
     EXPECT_EQ(mesh.warnings.size(), 1U);
   }
-  EXPECT_TRUE(readMesh(test::kAsciiStl + std::string(" \n\n"), "a.stl", {}).warnings.empty());
 }
 
 TEST(MeshFileOdditiesTest, FacetsBehindThoseThatTheHeaderCountsAreRefused) {
@@ -136,6 +175,47 @@ TEST(MeshFileOdditiesTest, AWholeFileOfNothingIsAnEmptyMesh) {
   }
 }
 
+/// A whole file of each kind around those triangles, written as programs do.
+std::pair<std::string, std::string> fileAround(const Triangles& triangles, Random& random) {
+  const std::string made = "made by " + std::to_string(random.integer(0, 1000000));
+  const std::string blank(static_cast<std::size_t>(random.integer(0, 3)), '\n');
+  switch (random.integer(0, 3)) {
+    case 0:
+      return {binaryStl(triangles, random.chance(0.5) ? "solid " + made : made), "a.stl"};
+    case 1:
+      return {"solid " + made + "\n" + blank +
+                  (triangles.empty() ? ""
+                                     : "facet outer loop vertex 0 0 0 vertex 1 0 0 "
+                                       "vertex 0 1 0 endloop endfacet\n") +
+                  "endsolid " + (random.chance(0.5) ? made : "") + "\n",
+              "a.stl"};
+    case 2:
+      return {"# " + made + "\n" + blank + "o part\n" + objOf(triangles, {}), "a.obj"};
+    default:
+      ColladaText text;
+      text.asset += "<!-- " + made + " -->";
+      if (!triangles.empty()) return {collada(text), "a.dae"};
+      (random.chance(0.5) ? text.faces : text.nodes) = "";
+      if (random.chance(0.3)) text.faces = "<triangles count=\"0\"/>";
+      return {collada(text), "a.dae"};
+  }
+}
+
+TEST(MeshFileOdditiesTest, RandomFilesOfNothingAreEmptyMeshesAndOthersHaveNoWarning) {
+  for (unsigned seed = 0; seed < 4 * kMembers; ++seed) {
+    Random random(seed);
+    const auto [nothing, uri] = fileAround({}, random);
+    const Mesh empty = readMesh(nothing, uri, {});
+    EXPECT_TRUE(empty.vertices.empty() && empty.triangles.empty()) << nothing;
+    ASSERT_FALSE(empty.warnings.empty()) << nothing;
+    EXPECT_TRUE(has(empty.warnings.back(), "empty")) << nothing;
+    const auto [something, its_uri] = fileAround(randomTriangles(random), random);
+    const Mesh mesh = readMesh(something, its_uri, {});
+    EXPECT_FALSE(mesh.triangles.empty()) << something;
+    EXPECT_TRUE(mesh.warnings.empty()) << something;
+  }
+}
+
 TEST(MeshFileOdditiesTest, WhatMayBeCutOffBeforeItsFacesIsNoEmptyMesh) {
   for (const std::string content :
        {"v 1 2 3\nv 4 5 6\n", "x", " \n\n", "<html>404</html>", "o a\nv 1 2 3\n"}) {
@@ -164,6 +244,9 @@ TEST(MeshFileOdditiesTest, ColladaGeometriesWithoutFacesAreLeftOutBesideOneThatH
     EXPECT_EQ(mesh.triangles.size(), 2U) << seed;
     ASSERT_EQ(mesh.warnings.size(), 1U) << seed;
     EXPECT_TRUE(has(mesh.warnings[0], std::to_string(bare) + " of its ")) << seed;
+    ColladaText whole;
+    for (int i = 0; i < bare; ++i) whole.nodes += whole.nodes.substr(whole.nodes.rfind("<node"));
+    EXPECT_TRUE(readMesh(collada(whole), "a.dae", {}).warnings.empty()) << seed;
   }
 }
 

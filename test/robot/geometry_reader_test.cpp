@@ -115,16 +115,42 @@ TEST(GeometryReaderTest, TheLimitOfSizesCanBeRaisedAndThenUnitsAreToldByTheLinks
     const std::string box = collisionOf(boxOf(beside, 0.1 * beside, 0.1 * beside));
     const std::string visual =
         "<visual><geometry>" + sphereOf(numberText(0.5 * beside)) + "</geometry></visual>";
+    const std::string beside_box = box + collisionOf(meshOf());
+    const std::string beside_visual = collisionOf(meshOf()) + visual;
     for (const double wrong : {1000.0 * longest, 0.001 * longest}) {
       EXPECT_TRUE(refused(collisionOf(meshOf()), beside, 0.0, wrong)) << seed;
       EXPECT_TRUE(refused(collisionOf(meshOf()), 0.0, beside, wrong)) << seed;
-      EXPECT_TRUE(refused(box + collisionOf(meshOf()), 0.0, 0.0, wrong)) << seed;
-      EXPECT_TRUE(refused(collisionOf(meshOf()) + visual, 0.0, 0.0, wrong)) << seed;
+      EXPECT_TRUE(refused(beside_box, 0.0, 0.0, wrong)) << seed;
+      EXPECT_TRUE(refused(beside_visual, 0.0, 0.0, wrong)) << seed;
     }
-    EXPECT_EQ(refusalOf(robotWith(box + collisionOf(meshOf()) + visual, beside, beside), config,
-                        file(stlOf(longest))),
-              "")
+    EXPECT_EQ(
+        refusalOf(robotWith(box + beside_visual, beside, beside), config, file(stlOf(longest))), "")
         << seed;
+  }
+}
+
+TEST(GeometryReaderTest, WhatIsJustLargerThanTheLimitIsRefusedAndWhatIsJustSmallerTaken) {
+  for (unsigned seed = 0; seed < kMembers; ++seed) {
+    Random random(seed);
+    RobotModel::Config config;
+    config.link_size_max_m = random.uniform(0.5, 10.0);
+    const double thin = random.uniform(0.01, 0.4);
+    const auto shape = [&](double longest) -> std::string {
+      switch (seed % 3) {
+        case 0:
+          return boxOf(thin, longest, thin);
+        case 1:
+          return sphereOf(numberText(0.5 * longest));
+        default:
+          return meshOf();
+      }
+    };
+    const auto refusal = [&](double longest) {
+      return refusalOf(robotWith(collisionOf(shape(longest))), config, file(stlOf(longest)));
+    };
+    const std::string said = refusal(config.link_size_max_m * random.uniform(1.001, 1.5));
+    EXPECT_TRUE(names(said, "link 'hand'") && names(said, "link_size_max_m")) << seed << said;
+    EXPECT_EQ(refusal(config.link_size_max_m * random.uniform(0.5, 0.999)), "") << seed;
   }
 }
 
@@ -156,8 +182,10 @@ TEST(GeometryReaderTest, PrimitivesOfSizeZeroAreLeftOutAndThinOnesStay) {
     ASSERT_EQ(with.shapes().size(), 2U) << some;
     EXPECT_GE(longestSide(with.shapes()[1].shape), 0.999 * length) << some;
     EXPECT_TRUE(warns(with, "0.1 mm")) << some;
-    EXPECT_TRUE(
-        RobotModel(robotWith(collisionOf(sphereOf(numberText(length)))), {}).warnings().empty());
+    const std::vector<std::string> solid{
+        boxOf(length, 0.001, length), sphereOf(numberText(length)),
+        "<cylinder radius=\"0.001\" length=\"" + numberText(length) + "\"/>"};
+    EXPECT_TRUE(RobotModel(robotWith(collisionOf(solid[seed % 3])), {}).warnings().empty());
   }
 }
 
@@ -174,15 +202,46 @@ TEST(GeometryReaderTest, ALinkOfEmptyGeometryIsNoneThatCanBeAskedFor) {
   EXPECT_NE(std::find(without.begin(), without.end(), "hand"), without.end());
 }
 
+TEST(GeometryReaderTest, AnEmptyMeshIsLeftOutBesideTheLinksOtherGeometry) {
+  for (unsigned seed = 0; seed < kMembers; ++seed) {
+    Random random(seed);
+    const double length = random.uniform(0.01, 1.0);
+    const std::string box = collisionOf(boxOf(length, random.uniform(0.01, 1.0), 0.1));
+    const std::string mesh = collisionOf(meshOf());
+    const std::string urdf = robotWith(random.chance(0.5) ? mesh + box : box + mesh);
+    const RobotModel without(urdf, {}, file(test::binaryStl({})));
+    EXPECT_EQ(without.shapes().size(), 2U) << seed;
+    ASSERT_EQ(without.warnings().size(), 1U) << seed;
+    EXPECT_TRUE(warns(without, "empty") && warns(without, kUri)) << without.warnings()[0];
+    const RobotModel with(urdf, {}, file(stlOf(length)));
+    EXPECT_GE(with.shapes().size(), 3U) << seed;
+    EXPECT_TRUE(with.warnings().empty()) << seed;
+  }
+}
+
+RobotModel turningAbout(const std::string& axis, Random& random) {
+  const std::string type = random.chance(0.5) ? "continuous" : "revolute";
+  const double upper = random.uniform(0.1, 3.0);
+  return {robotOf(ballLink("base") + ballLink("hand") +
+                  jointOf("wrist", type, "base", "hand",
+                          axisOf(axis) + limitOf("-1", numberText(upper)))),
+          {}};
+}
+
 TEST(GeometryReaderTest, ARotationAboutNoAxisIsAFixedJointWithAWarning) {
-  for (const std::string type : {"continuous", "revolute"}) {
-    const RobotModel model(
-        robotOf(ballLink("base") + ballLink("hand") +
-                jointOf("wrist", type, "base", "hand", axisOf("0 0 0") + limitOf("-1", "1"))),
-        {});
-    EXPECT_EQ(model.shapes().size(), 2U);
-    EXPECT_TRUE(model.variables().empty());
-    EXPECT_TRUE(warns(model, "joint 'wrist'"));
+  const std::vector<std::string> zeros{"0", "0.0", "-0", "-0.000", "0e5", "0.0E-3"};
+  for (unsigned seed = 0; seed < kMembers; ++seed) {
+    Random random(seed);
+    const auto zero = [&] { return zeros[static_cast<std::size_t>(random.integer(0, 5))]; };
+    const RobotModel fixed = turningAbout(zero() + " " + zero() + " " + zero(), random);
+    EXPECT_EQ(fixed.shapes().size(), 2U) << seed;
+    EXPECT_TRUE(fixed.variables().empty()) << seed;
+    EXPECT_TRUE(warns(fixed, "joint 'wrist'")) << seed;
+    const Vector3 axis = std::pow(10.0, random.uniform(-4.0, 3.0)) * random.direction();
+    const RobotModel turning = turningAbout(
+        numberText(axis.x()) + " " + numberText(axis.y()) + " " + numberText(axis.z()), random);
+    EXPECT_EQ(turning.variables().size(), 1U) << seed;
+    EXPECT_TRUE(turning.warnings().empty()) << seed;
   }
 }
 

@@ -104,7 +104,9 @@ TEST(UrdfTextTest, SeveralCollisionElementsAndWhatIsNoBodyAreTaken) {
         "<gazebo reference=\"hand\"><Collision/><collision><geometry/><geometry/>"
         "</collision></gazebo>");
     EXPECT_EQ(refusalOf(urdf), "") << seed;
-    EXPECT_EQ(test::modelOf(urdf)->shapes().size(), static_cast<std::size_t>(count) + 1U) << seed;
+    const auto model = test::modelOf(urdf);
+    EXPECT_EQ(model->shapes().size(), static_cast<std::size_t>(count) + 1U) << seed;
+    EXPECT_TRUE(model->warnings().empty()) << seed;
   }
 }
 
