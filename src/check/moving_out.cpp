@@ -9,7 +9,6 @@ namespace {
 
 constexpr double kStep = 0.0025;  // [m] between two poses
 constexpr double kJump = 0.01;    // [m] in no time: such a motion cannot be followed
-constexpr double kNoise = 0.002;  // [m] by which a distance may shrink without closing
 constexpr double kOpens = 0.001;  // [m] by which it has to grow over the way
 constexpr double kMoves = 0.003;  // [m] that a primitive has to move for that
 

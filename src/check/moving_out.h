@@ -20,6 +20,7 @@ class MovingOut {
  public:
   static constexpr double kEscape = 0.1;   ///< [m] of a primitive's way that are followed
   static constexpr double kGrowth = 0.03;  ///< [m] that primitives are taken to be larger by
+  static constexpr double kNoise = 0.002;  ///< [m] by which a distance may shrink without closing
 
   explicit MovingOut(const std::shared_ptr<const CheckedRobot>& robot);
 

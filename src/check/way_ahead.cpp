@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "check/moving_out.h"
 #include "geometry/distance.h"
 
 namespace tccm {
@@ -17,6 +16,7 @@ constexpr double kSearch = 0.1;           // [m] around a primitive; nearer is n
 constexpr double kTouching = 1e-6;        // [m] that count as nothing
 constexpr std::size_t kWorkOfJoint = 20;  // in cuboids passed by
 constexpr std::size_t kWorkOfShape = 30;
+constexpr std::size_t kWorkOfDistance = 50;
 
 /// Places along a way, in units: eight within the first, four within the second, two in each of the
 /// next two, then one. A slow primitive's way is short.
@@ -84,7 +84,8 @@ WayAhead::WayAhead(const std::shared_ptr<const CheckedRobot>& robot, double step
       bound_grown_(*robot_->model, body_.shapes, body_.radii(kGrown)),
       cursor_bound_(*robot_->model, body_.shapes, bareRadii(*robot_, MovingOut::kGrowth)),
       kinematics_(robot_->model),
-      cursor_(robot_->model->variables().size()) {
+      cursor_(robot_->model->variables().size()),
+      leaving_(static_cast<std::size_t>(robot_->config.collision.contacts_max)) {
   const std::size_t variables = robot_->model->variables().size();
   for (auto* values : {&positions_, &begin_, &halfway_, &end_}) {
     values->resize(variables);
@@ -93,7 +94,8 @@ WayAhead::WayAhead(const std::shared_ptr<const CheckedRobot>& robot, double step
 }
 
 WayAhead::Part WayAhead::partOf(std::size_t i) const {
-  Part part{LinkChain(*robot_->model, body_.links[i]), body_.body.shapes[i]};
+  Part part{LinkChain(*robot_->model, body_.links[i]), body_.body.shapes[i],
+            core(robot_->model->shapes()[body_.shapes[i]].shape)};
   part.arms.resize(robot_->model->variables().size());
   part.touched.reserve(static_cast<std::size_t>(robot_->config.collision.contacts_max));
   return part;
@@ -228,14 +230,15 @@ void WayAhead::walk(const Way& way, std::size_t i) {
   end_m_ = cursor_.metresUntil(part.look_s);
   const double halfway_m = cursor_.metresUntil(halfway_s_);
   const double around_m = part.free_halfway_m / part.per_metre;  // is free
+  beginLeaving(way, i);
   bool with_margin = part.margin_m > 0.0;
   double free_m = 0.0, free_before_m = 0.0;  // by the cursor
   for (std::size_t index = 0; !isExhausted();) {
     const double here_m = unit_m_ * placeOf(index, part.halvings);
     if (!cursor_.moveTo(here_m) || cursor_.time() > latest(i)) return;
-    is_leaving_ = here_m <= MovingOut::kEscape && !part.touched.empty();
     with_margin = with_margin && !(touch_ && touch_->stops);
     place(way, i, index == 0);
+    const double leaving_m = leave(way, i, here_m);
     free_before_m = free_m;
     free_m = freeAround(way, i, with_margin);
     if (with_margin && free_m <= 0.0 && touches(way, i, true)) {
@@ -245,11 +248,11 @@ void WayAhead::walk(const Way& way, std::size_t i) {
     if (!with_margin && free_m <= 0.0 && touches(way, i, false)) return;
     double next_m = here_m + free_m;
     // Where it does not come nearer it is looked further ahead, and back from there.
-    if (free_m > 0.8 * free_before_m && !is_leaving_) {
+    if (free_m > 0.8 * free_before_m && leaving_.cuboids().empty()) {
       next_m = passFree(way, i, with_margin, next_m, free_m);
     }
     if (std::abs(next_m - halfway_m) < around_m) next_m = halfway_m + around_m;
-    if (is_leaving_) next_m = std::min(next_m, MovingOut::kEscape);
+    if (!leaving_.cuboids().empty()) next_m = std::min(next_m, here_m + leaving_m);
     index = std::max(index + 1, placeFrom(next_m / unit_m_, part.halvings));
   }
 }
@@ -277,8 +280,22 @@ void WayAhead::place(const Way& way, std::size_t i, bool is_here) {
                                  robot_->model->shapes()[shape].T_link_shape;
 }
 
-const std::vector<std::uint32_t>* WayAhead::left(std::size_t i, bool with_margin) const {
-  return is_leaving_ && !with_margin ? &parts_[i].touched : nullptr;
+void WayAhead::beginLeaving(const Way& way, std::size_t i) {
+  leaving_.begin(parts_[i].touched);
+  if (leaving_.cuboids().empty() || !cursor_.moveTo(MovingOut::kEscape)) return;
+  place(way, i, false);
+  work_ += kWorkOfDistance * leaving_.cuboids().size();
+  leaving_.passEscape(way.map, solid(i, false), parts_[i].core, T_fixed_shape_);
+}
+
+double WayAhead::leave(const Way& way, std::size_t i, double here_m) {
+  if (here_m <= MovingOut::kEscape) return MovingOut::kEscape - here_m;
+  work_ += kWorkOfDistance * leaving_.followed();
+  return leaving_.update(way.map, parts_[i].core, T_fixed_shape_) / parts_[i].per_metre;
+}
+
+const std::vector<std::uint32_t>* WayAhead::left(bool with_margin) const {
+  return with_margin ? nullptr : &leaving_.cuboids();
 }
 
 const Shape& WayAhead::solid(std::size_t i, bool with_margin) const {
@@ -288,7 +305,7 @@ const Shape& WayAhead::solid(std::size_t i, bool with_margin) const {
 double WayAhead::freeAround(const Way& way, std::size_t i, bool with_margin) const {
   const double radius_m = std::min(kSearch, parts_[i].per_metre * end_m_) + kTouching;
   const auto found = robot_->collision.nearest(way.map, solid(i, with_margin), T_fixed_shape_,
-                                               radius_m, left(i, with_margin));
+                                               radius_m, left(with_margin));
   const double metres = (found ? found->distance_m : radius_m) - kTouching;
   return std::max(0.0, metres) / parts_[i].per_metre;
 }
@@ -298,7 +315,7 @@ bool WayAhead::touches(const Way& way, std::size_t i, bool with_margin) {
   const Shape& shape = solid(i, with_margin);
   const auto index = static_cast<std::uint32_t>(i);
   const auto cuboid =
-      robot_->collision.first(way.map, shape, T_fixed_shape_, index, left(i, with_margin));
+      robot_->collision.first(way.map, shape, T_fixed_shape_, index, left(with_margin));
   if (!cuboid) return false;
   const auto model_shape = static_cast<std::uint32_t>(body_.shapes[i]);
   const double time_s = cursor_.time(), speed = speeds_.of(i);

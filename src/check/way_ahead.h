@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "check/halting.h"
+#include "check/leaving.h"
 #include "check/way_speeds.h"
 #include "robot/motion_bound.h"
 #include "robot/path_cursor.h"
@@ -66,6 +67,7 @@ class WayAhead {
   struct Part {
     LinkChain chain;
     Shape grown;  ///< by the margin
+    Shape core;
     double margin_m = 0.0;
     double look_s = 0.0;            ///< for how long it is looked along
     double per_metre = 1.0;         ///< that it moves at most for each that its cursor does
@@ -90,9 +92,12 @@ class WayAhead {
   // Of a primitive where the cursor is:
 
   void place(const Way& way, std::size_t i, bool is_here);
-  /// What it touches at the present pose and is about to leave: MovingOut tells whether it does. So
-  /// far that does not count as ahead, nor do margins count less for it.
-  [[nodiscard]] const std::vector<std::uint32_t>* left(std::size_t i, bool with_margin) const;
+  /// Before the walk.
+  void beginLeaving(const Way& way, std::size_t i);
+  /// @return how far the cursor may go until any of what it leaves is ahead.
+  double leave(const Way& way, std::size_t i, double here_m);
+  /// What does not count as ahead; margins do not count less for it.
+  [[nodiscard]] const std::vector<std::uint32_t>* left(bool with_margin) const;
   [[nodiscard]] const Shape& solid(std::size_t i, bool with_margin) const;
   /// How far the cursor may go on or back at least until it touches; 0: it may touch here.
   [[nodiscard]] double freeAround(const Way& way, std::size_t i, bool with_margin) const;
@@ -120,8 +125,8 @@ class WayAhead {
   PathCursor cursor_;
   Pose T_fixed_shape_ = Pose::Identity();  ///< where the cursor is
   double halfway_s_ = 0.0;
-  double end_m_ = 0.0;       ///< of the primitive's way, by the cursor
-  bool is_leaving_ = false;  ///< so near to the way's begin
+  double end_m_ = 0.0;  ///< of the primitive's way, by the cursor
+  Leaving leaving_;     ///< where the cursor is
   std::optional<Found> touch_, margin_;
   std::optional<TooFast> too_fast_;
   std::size_t poses_ = 0;
