@@ -241,7 +241,7 @@ Findings runUpdates(UpdatesOptions options, const TrialRun& run) {
     add(scene, sweeps.back(), findings);
   }
   const auto simulated = Clock::now();
-  compare(sweeps.front(), run.settings.monitor().mapper.map, options, run.progress, findings);
+  compare(sweeps.front(), run.settings.mapper.mapper.map, options, run.progress, findings);
   findings.not_simulating_s = std::chrono::duration<double>(Clock::now() - simulated).count();
   return findings;
 }

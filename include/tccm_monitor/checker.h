@@ -52,8 +52,9 @@ class Checker {
   /// static transforms alone) never grows old.
   void setRootPose(std::size_t root, Time stamp, const Pose& T_fixed_root, bool is_static);
   /// What becomes of scans. Where nothing reports it, maps alone tell.
-  void addScanReport(Time now, const ScanReport& report);
-  void setMap(Time now, std::shared_ptr<const CuboidMap> map);
+  /// @param sensor index into the configured sensors.
+  void addScanReport(Time now, const ScanReport& report, std::size_t sensor = 0);
+  void setMap(Time now, std::shared_ptr<const CuboidMap> map, std::size_t sensor = 0);
   /// What the arms were told to do. It takes the place of what was said of one of its joints; one
   /// without points cancels. @return what is wrong with it, in one line; then the robot is stopped
   /// until the next for any of its joints.
@@ -101,6 +102,7 @@ class Checker {
   [[nodiscard]] const std::shared_ptr<const RobotModel>& model() const;
   /// Joints that no joint state has named yet.
   [[nodiscard]] std::vector<std::string> missingJoints() const;
+  /// All that is occupied, of all sensors.
   [[nodiscard]] const CuboidMap* map() const;
   /// Of the last check.
   [[nodiscard]] const CheckTimes& times() const;

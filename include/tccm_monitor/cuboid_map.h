@@ -131,6 +131,7 @@ struct Cuboid {
   std::uint32_t dyn = 0;
   /// It left the window, but nobody looked at its place since: no part of the live map.
   bool held = false;
+  std::uint32_t unseen_ms = 0;  ///< since it was seen last, at the map's stamp
 };
 
 /// A snapshot of the integration map: all that checks need, and nothing that changes under them.
@@ -146,6 +147,7 @@ struct CuboidMap {
   /// From one look at a place to the next in the same direction of the tilt: the tilt's period, or
   /// where none is measured the window; 0 before either is known.
   Duration look_period{0};
+  Duration hold{0};  ///< for which at most is held what leaves the window
   /// The share of the returns inside the area that was taken for the robot, over the last period of
   /// the tilt; nothing where it is not known, or fewer than 50 a scan lie inside.
   std::optional<double> self_share = {};

@@ -3,22 +3,13 @@
 #include <algorithm>
 
 #include "base/duration_text.h"
-#include "base/line_of.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {
 
-constexpr const char* kFrameChanged = "frame_changed";
-constexpr Duration kFrameChangeLasts = std::chrono::seconds(2);
-
 std::string ageText(const std::string& what, Duration age) {
   return what + " " + durationText(age);
-}
-
-/// What the sweep takes, for people: 0.02 s is no tilt.
-std::string periodText(const CuboidMap& map) {
-  if (map.look_period <= Duration::zero()) return "";
-  return ", which takes " + durationText(map.look_period);
 }
 
 std::string neverPublished(const std::vector<std::string>& joints) {
@@ -33,14 +24,6 @@ std::string neverPublished(const std::vector<std::string>& joints) {
                             : "joints " + names + " were never published";
 }
 
-/// What a fault that keeps all scans out of the map is called.
-Reason reasonOf(const std::string& dropped) {
-  if (dropped == "blind") return Reason::kBlind;
-  if (dropped == "future_stamp") return Reason::kFuture;
-  if (dropped == "no_transform" || dropped == "transform_gap") return Reason::kNoTransform;
-  return Reason::kNoMap;
-}
-
 void append(const Cause& cause, std::vector<Cause>& causes) {
   if (cause.reason != Reason::kClear) causes.push_back(cause);
 }
@@ -53,19 +36,32 @@ void CheckInputs::Config::describe(ParameterTable& table) {
             "age of the joint heard of least recently");
   table.add("transform_timeout_s", &transform_timeout_s, "s", {0.001, 10.0},
             "age of the root's pose in the fixed frame");
-  table.add("scan_timeout_periods", &scan_timeout_periods, "periods", {1.0, 100.0},
-            "without a new map, in measured scan periods");
-  table.add("map_age_max_s", &map_age_max_s, "s", {0.001, 10.0},
-            "from the newest scan's stamp to the check");
-  table.add(
-      "self_filter_fraction_max", &self_filter_fraction_max, "", {0.1, 1.0},
-      "share of the returns inside the area that may be taken for the robot, over a period of "
-      "the tilt, where 50 a scan or more lie inside; above it the sensor is blind");
-  table.add("future_max_s", &future_max_s, "s", {0.0, 10.0},
-            "a scan or joint state may lead the check by this");
+  Limits::describe(table);
   table.add("transform_future_max_s", &transform_future_max_s, "s", {0.0, 10.0},
             "the root's pose may lead it by this: many publishers date ahead");
   agreement.describe(table);
+  table.add("sensors", &sensors,
+            "names of the sensors, each with a map of its own in a namespace of that name; empty: "
+            "one without a name");
+  table.add("dispensable_sensors", &dispensable_sensors,
+            "those of them that may fail: what they alone saw grows old by place");
+}
+
+void CheckInputs::Config::validate() const {
+  for (auto name = sensors.begin(); name != sensors.end(); ++name) {
+    if (name->empty()) throw ConfigError("sensors: a name is empty");
+    if (std::find(std::next(name), sensors.end(), *name) != sensors.end()) {
+      throw ConfigError("sensors: '" + *name + "' is named twice");
+    }
+  }
+  for (const std::string& name : dispensable_sensors) {
+    if (std::find(sensors.begin(), sensors.end(), name) == sensors.end()) {
+      throw ConfigError("dispensable_sensors: '" + name + "' is none of the sensors");
+    }
+  }
+  if (!sensors.empty() && dispensable_sensors.size() >= sensors.size()) {
+    throw ConfigError("dispensable_sensors: one sensor at least has to be indispensable");
+  }
 }
 
 CheckInputs::CheckInputs(std::shared_ptr<const RobotModel> model, const Config& config)
@@ -74,7 +70,19 @@ CheckInputs::CheckInputs(std::shared_ptr<const RobotModel> model, const Config& 
       joints_(*model_, config.joints),
       agreement_(model_, config.agreement),
       roots_(model_->roots().size()),
-      T_fixed_roots_(model_->roots().size(), Pose::Identity()) {}
+      T_fixed_roots_(model_->roots().size(), Pose::Identity()) {
+  for (const std::string& name : config_.sensors) {
+    sensors_.emplace_back(name);
+    const auto& others = config_.dispensable_sensors;
+    dispensable_.push_back(std::find(others.begin(), others.end(), name) != others.end());
+  }
+  if (sensors_.empty()) {
+    sensors_.emplace_back("");
+    dispensable_.push_back(false);
+  }
+  outs_.resize(sensors_.size());
+  sources_.resize(sensors_.size());
+}
 
 void CheckInputs::reconfigure(const Config& config) {
   config_ = validated(config);
@@ -103,42 +111,34 @@ void CheckInputs::setRootPose(std::size_t root, Time stamp, const Pose& T_fixed_
   T_fixed_roots_[root] = T_fixed_root;
 }
 
-void CheckInputs::addScanReport(Time now, const ScanReport& report) {
-  using Outcome = ScanReport::Outcome;
-  if (report.outcome == Outcome::kWaiting) report_arrival_ = now;
-  if (report.outcome == Outcome::kAssembled) assembled_ = now;
-  if (report.outcome == Outcome::kWaiting) return;
-  last_report_ = report;
-  if (report.outcome == Outcome::kAssembled) self_link_ = report.self_link;
-  if (report.dropped != kFrameChanged) return;
-  frame_changed_ = now;
-  frame_change_ = report.detail;
+void CheckInputs::addScanReport(Time now, const ScanReport& report, std::size_t sensor) {
+  sensors_[sensor].addScanReport(now, report);
 }
 
-void CheckInputs::setMap(Time now, std::shared_ptr<const CuboidMap> map) {
-  if (map_ && map->stamp > map_->stamp) {
-    const double period = toSeconds(map->stamp - map_->stamp);
-    // One pause must not teach it to be patient.
-    scan_period_s_ =
-        scan_period_s_ ? 0.9 * *scan_period_s_ +
-                             0.1 * std::min(period, config_.scan_timeout_periods * *scan_period_s_)
-                       : period;
+void CheckInputs::setMap(Time now, std::shared_ptr<const CuboidMap> map, std::size_t sensor) {
+  sensors_[sensor].setMap(now, std::move(map), config_);
+  findMaps(now);
+}
+
+bool CheckInputs::fits(std::size_t sensor) const {
+  const auto first = std::find_if(sensors_.begin(), sensors_.end(),
+                                  [](const SensorInput& input) { return input.map() != nullptr; });
+  return !sensors_[sensor].map() || SensorMaps::fit(*first->map(), *sensors_[sensor].map());
+}
+
+void CheckInputs::findMaps(Time now) {
+  for (std::size_t i = 0; i < sensors_.size(); ++i) {
+    sources_[i] = {fits(i) ? sensors_[i].map() : nullptr, !outs_[i].empty()};
   }
-  // The same map again is no news of the sensor; what it was told to forget may be.
-  const bool is_news = !map_ || map->stamp != map_->stamp || map->serial != map_->serial;
-  map_ = std::move(map);
-  if (is_news) map_arrival_ = now;
+  maps_.unite(now, sources_);
 }
 
 void CheckInputs::reset() {
   joints_.reset();
   agreement_.reset();
-  map_.reset();
-  scan_period_s_.reset();
-  report_arrival_.reset();
-  assembled_.reset();
-  last_report_ = {};
-  frame_changed_.reset();
+  for (SensorInput& sensor : sensors_) sensor.reset();
+  std::fill(outs_.begin(), outs_.end(), std::string());
+  maps_.clear();
   started_.reset();
   future_joint_.reset();
   std::fill(roots_.begin(), roots_.end(), std::nullopt);
@@ -210,63 +210,6 @@ Cause CheckInputs::rootCause(Time now, std::size_t index) const {
           ageText("the pose of '" + link + "' in the fixed frame was not heard of for", age)};
 }
 
-Duration CheckInputs::silenceMax() const {
-  if (!scan_period_s_) return fromSeconds(config_.map_age_max_s);
-  return fromSeconds(
-      std::min(config_.scan_timeout_periods * *scan_period_s_, config_.map_age_max_s));
-}
-
-bool CheckInputs::scansCome(Time now) const {
-  return report_arrival_ && now - *report_arrival_ <= silenceMax();
-}
-
-Cause CheckInputs::silenceCause(Time now) const {
-  if (report_arrival_ && !scansCome(now)) {
-    return {Reason::kNoMap, ageText("no scan for", now - *report_arrival_)};
-  }
-  const Duration silence = now - (map_ ? map_arrival_ : *started_);
-  if (!report_arrival_) return {Reason::kNoMap, ageText("no scan was mapped for", silence)};
-  const std::string &dropped = last_report_.dropped, &detail = last_report_.detail;
-  if (!dropped.empty()) {
-    return {reasonOf(dropped), ageText("scans are dropped (" + dropped + ") for", silence) +
-                                   (detail.empty() ? "" : ": " + detail)};
-  }
-  return {Reason::kNoMap, ageText("scans come, but none was mapped for", silence)};
-}
-
-Cause CheckInputs::mapCause(Time now) {
-  if (!map_) {
-    if (within(now, config_.map_age_max_s)) return {Reason::kInit, "waiting for the first scan"};
-    return silenceCause(now);
-  }
-  const Duration age = now - map_->stamp, age_max = fromSeconds(config_.map_age_max_s);
-  if (-age > fromSeconds(config_.future_max_s)) {
-    return {Reason::kFuture, ageText("the newest scan is stamped in the future, by", -age)};
-  }
-  // Scans that wait for transforms may wait as long as these may be missing; blind ones may not.
-  const std::string& dropped = last_report_.dropped;
-  const bool lacks_transforms = dropped.empty() || reasonOf(dropped) == Reason::kNoTransform;
-  const bool waits = scansCome(now) && lacks_transforms &&
-                     !(assembled_ && *assembled_ - map_arrival_ > silenceMax());
-  if (now - map_arrival_ > silenceMax() && !waits) return silenceCause(now);
-  if (age > age_max) {
-    // Scans may wait for joint states as well.
-    if (waits && jointsCause(now).reason == Reason::kClear) {
-      return {Reason::kNoTransform,
-              ageText("scans wait for transforms; the newest in the map is older than", age_max)};
-    }
-    return {Reason::kMapLate, ageText("the newest scan in the map is older than", age_max)};
-  }
-  if (map_->overflowed) return {Reason::kMapOverflow, "points were left out of the map"};
-  if (map_->tilt_stopped) {
-    return {Reason::kSweepIncomplete, "the sensor's tilt stands still, or does not turn in time"};
-  }
-  if (!map_->complete) {
-    return {Reason::kInit, "the map does not hold a whole sweep yet" + periodText(*map_)};
-  }
-  return {};
-}
-
 void CheckInputs::appendRobotCauses(Time now, std::vector<Cause>& causes) {
   if (!started_) started_ = now;
   if (clock_stalls_) causes.emplace_back(Reason::kNoClock, "simulated time stands still");
@@ -280,27 +223,27 @@ void CheckInputs::appendRobotCauses(Time now, std::vector<Cause>& causes) {
   for (std::size_t root = 0; root < roots_.size(); ++root) append(rootCause(now, root), causes);
 }
 
-void CheckInputs::appendSensorCauses(Time now, std::vector<Cause>& causes) const {
-  if (frame_changed_ && now - *frame_changed_ <= kFrameChangeLasts) {
-    causes.emplace_back(Reason::kFrameChanged, frame_change_);
+void CheckInputs::appendSensorCauses(Time now, std::vector<Cause>& causes) {
+  const bool joints_known = jointsCause(now).reason == Reason::kClear;
+  for (std::size_t i = 0; i < sensors_.size(); ++i) {
+    sensor_causes_.clear();
+    sensors_[i].appendCauses({now, *started_, config_, joints_known}, sensor_causes_);
+    if (!fits(i)) {
+      sensor_causes_.emplace_back(Reason::kNoMap,
+                                  "the area or cells of sensor '" + sensors_[i].name() +
+                                      "' are not those of the others: set area_*, height_* and "
+                                      "cell_size_m of all mappers alike");
+    }
+    if (!dispensable_[i]) causes.insert(causes.end(), sensor_causes_.begin(), sensor_causes_.end());
+    outs_[i] = dispensable_[i] && !sensor_causes_.empty() ? sensor_causes_.front().detail : "";
   }
-  if (map_ && map_->self_share && *map_->self_share > config_.self_filter_fraction_max) {
-    causes.emplace_back(
-        Reason::kBlind,
-        lineOf("the self filter takes %.0f %% of what lies inside the area, at most %.0f %% are "
-               "believed (self_filter_fraction_max); most of it for '%.100s': see whether it is "
-               "described too large",
-               100.0 * *map_->self_share, 100.0 * config_.self_filter_fraction_max,
-               self_link_.c_str()),
-        self_link_);
-  }
+  findMaps(now);
 }
 
 void CheckInputs::appendCauses(Time now, std::vector<Cause>& causes) {
   appendRobotCauses(now, causes);
   appendSensorCauses(now, causes);
   append(agreement_.cause(), causes);
-  append(mapCause(now), causes);
   append(outside_, causes);
 }
 

@@ -7,6 +7,9 @@
 #include <vector>
 
 #include "check/model_agreement.h"
+#include "check/sensor_input.h"
+#include "check/sensor_maps.h"
+#include "check/surroundings.h"
 #include "config/parameter_table.h"
 #include "robot/joint_states.h"
 #include "tccm_monitor/cuboid_map.h"
@@ -17,19 +20,19 @@ namespace tccm {
 /// The newest of all that a check rests on, and what of it is missing, late or unknown.
 class CheckInputs {
  public:
-  struct Config {
+  struct Config : SensorInput::Limits {
     std::string fixed_frame = "?";  ///< for what is told to people
+    std::vector<std::string> sensors;
+    std::vector<std::string> dispensable_sensors;
     JointStates::Config joints;
     ModelAgreement::Config agreement;
     double joint_timeout_s = 0.1;
     double transform_timeout_s = 0.5;
-    double scan_timeout_periods = 3.0;
-    double map_age_max_s = 0.5;
-    double self_filter_fraction_max = 0.9;
-    double future_max_s = 0.1;
     double transform_future_max_s = 0.5;
 
     void describe(ParameterTable& table);
+    /// @throws ConfigError
+    void validate() const;
   };
 
   /// @throws ConfigError
@@ -44,8 +47,8 @@ class CheckInputs {
                                const std::vector<double>& velocities,
                                const std::string& publisher = {});
   void setRootPose(std::size_t root, Time stamp, const Pose& T_fixed_root, bool is_static);
-  void addScanReport(Time now, const ScanReport& report);
-  void setMap(Time now, std::shared_ptr<const CuboidMap> map);
+  void addScanReport(Time now, const ScanReport& report, std::size_t sensor = 0);
+  void setMap(Time now, std::shared_ptr<const CuboidMap> map, std::size_t sensor = 0);
   void setOutsideCause(const Cause& cause) { outside_ = cause; }
 
   /// Whether the clock that gives `now` stands still, as a player's or simulation's may.
@@ -69,7 +72,13 @@ class CheckInputs {
   [[nodiscard]] bool rootsKnown() const;
   /// Whether a root moves against the fixed frame, as a mobile base does.
   [[nodiscard]] bool rootsMove() const;
-  [[nodiscard]] const CuboidMap* map() const { return map_.get(); }
+  /// Of all sensors, as the last appendCauses() found them; nothing where none has one.
+  [[nodiscard]] const CuboidMap* map() const { return maps_.all(); }
+  /// @pre there is one
+  [[nodiscard]] Surroundings around() const { return {*maps_.all(), maps_.each()}; }
+  [[nodiscard]] const std::vector<SensorInput>& sensors() const { return sensors_; }
+  /// What is wrong with a sensor that can be done without; empty where nothing is.
+  [[nodiscard]] const std::string& outText(std::size_t sensor) const { return outs_[sensor]; }
   /// Messages dropped because they were stamped in the future.
   [[nodiscard]] std::size_t futureJoints() const { return future_joints_; }
 
@@ -83,14 +92,11 @@ class CheckInputs {
   [[nodiscard]] Cause jointsCause(Time now);
   [[nodiscard]] std::string silentJointText(Time now, const JointSnapshot& joints) const;
   [[nodiscard]] Cause rootCause(Time now, std::size_t root) const;
-  [[nodiscard]] Cause mapCause(Time now);
-  /// What the scans say that cannot be.
-  void appendSensorCauses(Time now, std::vector<Cause>& causes) const;
-  /// No new map for too long: why.
-  [[nodiscard]] Cause silenceCause(Time now) const;
+  void appendSensorCauses(Time now, std::vector<Cause>& causes);
+  /// Whether its map covers what those of the others do.
+  [[nodiscard]] bool fits(std::size_t sensor) const;
+  void findMaps(Time now);
   [[nodiscard]] bool within(Time now, double seconds) const;
-  [[nodiscard]] Duration silenceMax() const;
-  [[nodiscard]] bool scansCome(Time now) const;
 
   std::shared_ptr<const RobotModel> model_;
   Config config_;
@@ -98,16 +104,13 @@ class CheckInputs {
   ModelAgreement agreement_;
   std::vector<std::optional<RootPose>> roots_;  ///< by the model's roots
   std::vector<Pose> T_fixed_roots_;
-  std::shared_ptr<const CuboidMap> map_;
-  Time map_arrival_;
-  std::optional<double> scan_period_s_;  ///< the mean of the recent ones
-  std::optional<Time> report_arrival_;   ///< the last that a scan came in
-  std::optional<Time> assembled_;        ///< when the last scan was
-  ScanReport last_report_;               ///< of the last scan that was assembled or dropped
-  std::optional<Time> frame_changed_;    ///< when a scan of another frame came last
-  std::string frame_change_;             ///< between which frames
-  std::string self_link_;                ///< the link that most returns are taken for
-  std::optional<Time> started_;          ///< the first check
+  std::vector<SensorInput> sensors_;
+  std::vector<bool> dispensable_;            ///< by sensor
+  std::vector<std::string> outs_;            ///< by sensor
+  std::vector<SensorMaps::Source> sources_;  ///< by sensor
+  SensorMaps maps_;
+  std::vector<Cause> sensor_causes_;  ///< of one, reused
+  std::optional<Time> started_;       ///< the first check
   std::size_t future_joints_ = 0;
   std::optional<Time> future_joint_;  ///< when the last of them came
   Duration future_lead_{0};

@@ -133,7 +133,8 @@ const Verdict& Checker::Parts::check(Time now) {
 }
 
 void Checker::Parts::judge(Time now, const JointSnapshot& joints) {
-  const CuboidMap& map = *inputs.map();
+  const Surroundings around = inputs.around();
+  const CuboidMap& map = around.map;
   Stopwatch stopwatch;
   commanded.follow(now, joints.positions);
   const Ways& ways = commanded.findWays(joints, config.way.horizon_s);
@@ -147,12 +148,12 @@ void Checker::Parts::judge(Time now, const JointSnapshot& joints) {
   judges.here.findContacts(map, verdict.now);
   judges.ahead.findContacts(map, verdict.ahead);
   times.collision_us = stopwatch.lapMicroseconds();
-  judges.here.findOcclusion(map, verdict.now);
-  judges.ahead.findOcclusion(map, verdict.ahead);
+  judges.here.findOcclusion(around, verdict.now);
+  judges.ahead.findOcclusion(around, verdict.ahead);
   times.occlusion_us = stopwatch.lapMicroseconds();
 
   const Situation situation{
-      now,         map,           joints,         commanded,     judges.here,        judges.ahead,
+      now,         around,        joints,         commanded,     judges.here,        judges.ahead,
       verdict.now, verdict.ahead, config.braking, verdict.known, verdict.speed_scale};
   const ContactJudge::Findings& contacts = judges.contacts.judge(situation, findings.causes);
   times.way_us = stopwatch.lapMicroseconds();
@@ -210,12 +211,12 @@ void Checker::setRootPose(std::size_t root, Time stamp, const Pose& T_fixed_root
   parts_->inputs.setRootPose(root, stamp, T_fixed_root, is_static);
 }
 
-void Checker::addScanReport(Time now, const ScanReport& report) {
-  parts_->inputs.addScanReport(now, report);
+void Checker::addScanReport(Time now, const ScanReport& report, std::size_t sensor) {
+  parts_->inputs.addScanReport(now, report, sensor);
 }
 
-void Checker::setMap(Time now, std::shared_ptr<const CuboidMap> map) {
-  parts_->inputs.setMap(now, std::move(map));
+void Checker::setMap(Time now, std::shared_ptr<const CuboidMap> map, std::size_t sensor) {
+  parts_->inputs.setMap(now, std::move(map), sensor);
 }
 
 std::string Checker::command(Time now, const JointTrajectory& trajectory) {

@@ -108,7 +108,7 @@ StateAnswer Checker::checkState(Time now, const std::vector<std::string>& names,
   Judges& judges = parts_->judges;
   answer.cause = parts_->outsideArea(judges.asked.place(asked, inputs.rootPoses()));
   if (answer.cause.reason != Reason::kClear) return answer;
-  judges.asked.check(*inputs.map(), answer.findings);
+  judges.asked.check(inputs.around(), answer.findings);
   if (answer.findings.collision) {
     const std::uint32_t shape = answer.findings.contacts.front().shape;
     answer.cause = {Reason::kCollision, textOfContact(*model(), shape, " touches the map"),
@@ -130,7 +130,7 @@ TrajectoryAnswer Checker::checkTrajectory(Time now, const JointTrajectory& traje
     return answer;
   }
   CheckInputs& inputs = parts_->inputs;
-  answer = parts_->judges.trajectory.check(*inputs.map(), trajectory, inputs.joints()->positions,
+  answer = parts_->judges.trajectory.check(inputs.around(), trajectory, inputs.joints()->positions,
                                            inputs.rootPoses());
   const Reason reason = answer.cause.reason;
   const bool is_judged = reason != Reason::kBadQuestion && reason != Reason::kCheckLate;

@@ -84,7 +84,7 @@ void ContactJudge::lookAhead(const Situation& situation) {
                 braking.deceleration_mps2},
                situation.here.contacts, posture, kWorkMax);
   const auto look = [&](const JointPath& path) {
-    const Way way{situation.map, path, posture.T_fixed_roots};
+    const Way way{situation.around.map, path, posture.T_fixed_roots};
     if (ahead_.lookAlong(way)) return;
     situation.commanded.lengthenWays(situation.joints, ahead_.lookTimeMax());
     static_cast<void>(ahead_.lookAlong(way));
@@ -158,7 +158,7 @@ bool ContactJudge::movesOut(const Situation& situation) {
   const bool follows = commanded.ways().follows_trajectory;
   const std::vector<Pose>& T_fixed_roots = situation.check_here.posture().T_fixed_roots;
   const auto opensAlong = [&](const JointPath& path, bool must_open) {
-    return moving_out_.opens({situation.map, path, T_fixed_roots}, situation.here.contacts,
+    return moving_out_.opens({situation.around.map, path, T_fixed_roots}, situation.here.contacts,
                              must_open);
   };
   if (commanded.ways().has_contrary && !opensAlong(commanded.ways().contrary, false)) return false;

@@ -78,7 +78,7 @@ EvidenceCheck::EvidenceCheck(std::shared_ptr<const CheckedRobot> robot, const Co
 }
 
 void EvidenceCheck::judge(const Situation& situation, Causes& causes) {
-  find(situation.map, situation.now, situation.check_here.collisionBody().body,
+  find(situation.around, situation.now, situation.check_here.collisionBody().body,
        situation.check_ahead.collisionBody().body);
   const auto nameOf = [this](const LinkEvidence* link) {
     return robot_->model->links()[link->link];
@@ -109,20 +109,26 @@ void EvidenceCheck::judge(const Situation& situation, Causes& causes) {
   }
 }
 
-const EvidenceCheck::Findings& EvidenceCheck::find(const CuboidMap& map, Time now,
+const EvidenceCheck::Findings& EvidenceCheck::find(const Surroundings& around, Time now,
                                                    const Body& now_body, const Body& end_body) {
-  const double period_s = toSeconds(map.look_period);
-  const Question question{map, now, fromSeconds(config_.slow_periods * period_s),
-                          fromSeconds(config_.stop_periods * period_s)};
+  sensors_.clear();
+  for (const CuboidMap* map : around) {
+    const double period_s = toSeconds(map->look_period);
+    sensors_.push_back({map, fromSeconds(config_.slow_periods * period_s),
+                        fromSeconds(config_.stop_periods * period_s)});
+  }
+  const Question question{around.map.grid, now};
   std::fill(tallies_.begin(), tallies_.end(), Tally());
   unseen_.clear();
-  const Vector3& viewpoint = map.looks.viewpoint();
   radii_.clear();
   for (const Shape& shape : now_body.shapes) radii_.push_back(boundingRadius(shape));
   for (std::size_t i = 0; i < now_body.shapes.size(); ++i) {
     if (slot_of_shape_[i] == kPassedOver) continue;
-    // The sensor's own housing.
-    if (distance(now_body.shapes[i], now_body.poses[i].inverse() * viewpoint) == 0.0) continue;
+    const Pose T_shape_fixed = now_body.poses[i].inverse();
+    const auto is_housing = [&](const Sensor& sensor) {
+      return distance(now_body.shapes[i], T_shape_fixed * sensor.map->looks.viewpoint()) == 0.0;
+    };
+    if (std::all_of(sensors_.begin(), sensors_.end(), is_housing)) continue;
     lookAlong(question, now_body, i, end_body.poses[i]);
   }
   sumUp(question, end_body);
@@ -157,28 +163,57 @@ bool EvidenceCheck::contains(const Body& body, const Vector3& p_fixed) const {
   return false;
 }
 
-void EvidenceCheck::lookAt(const Question& question, const Vector3& p_fixed, double new_volume,
-                           Tally& tally) {
-  const LookImage& looks = question.map.looks;
+EvidenceCheck::Evidence EvidenceCheck::evidenceOf(const Sensor& sensor, const Vector3& p_fixed,
+                                                  Time now) const {
+  const LookImage& looks = sensor.map->looks;
   const LookImage::Sight sight = looks.at(p_fixed, config_.margin_m);
   std::optional<Time> looked = sight.looked;
-  const bool ages_matter = question.old > Duration::zero();  // else no period is known yet
+  const bool ages_matter = sensor.old > Duration::zero();  // else no period is known yet
+  Evidence evidence;
   if (looked && ages_matter) {
     // At the edges of where the sensor looks a direction may be passed by a little.
-    if (question.now - *looked > question.old) looked = looks.lookedAround(p_fixed, kAround);
-    const Duration age = question.now - *looked;
+    if (now - *looked > sensor.old) looked = looks.lookedAround(p_fixed, kAround);
+    evidence.looked = true;
+    evidence.old = now - *looked > sensor.old;
+    evidence.lost = now - *looked > sensor.lost;
+  }
+  if (sight.kind != Kind::kSeen) return evidence;
+  if (now - sight.stamp <= sensor.old || !ages_matter) {
+    evidence.known = sight.stamp;
+  } else if (looked) {
+    // Where the sensor used to look, what was seen goes on growing old when it is too old to count.
+    evidence.seen = std::max(sight.stamp, *looked);
+  }
+  return evidence;
+}
+
+/// What one sensor saw lately is known, however old another's evidence is.
+EvidenceCheck::Evidence EvidenceCheck::evidenceOf(const Vector3& p_fixed, Time now) const {
+  Evidence all;
+  for (const Sensor& sensor : sensors_) {
+    const Evidence evidence = evidenceOf(sensor, p_fixed, now);
+    all.known = std::max(all.known, evidence.known);
+    all.seen = std::max(all.seen, evidence.seen);
+    if (!evidence.looked) continue;
+    all.looked = true;
+    all.old = all.old && evidence.old;
+    all.lost = all.lost && evidence.lost;
+  }
+  return all;
+}
+
+void EvidenceCheck::lookAt(const Question& question, const Vector3& p_fixed, double new_volume,
+                           Tally& tally) {
+  const Evidence evidence = evidenceOf(p_fixed, question.now);
+  if (evidence.looked) {
     tally.looked_at += 1.0;
-    tally.old += age > question.old ? 1.0 : 0.0;
-    tally.lost += age > question.lost ? 1.0 : 0.0;
+    tally.old += evidence.old ? 1.0 : 0.0;
+    tally.lost += evidence.lost ? 1.0 : 0.0;
   }
-  const bool is_covered = question.map.grid.covers(p_fixed);
-  const bool is_seen = sight.kind == Kind::kSeen && is_covered;
-  const bool is_known = is_seen && (question.now - sight.stamp <= question.old || !ages_matter);
-  // Where the sensor used to look, what was seen goes on growing old when it is too old to count.
-  if (is_known || (is_seen && looked)) {
-    const Time stamp = is_known ? sight.stamp : std::max(sight.stamp, *looked);
-    tally.oldest = std::min(tally.oldest.value_or(stamp), stamp);
-  }
+  const bool is_covered = question.grid.covers(p_fixed);
+  const bool is_known = evidence.known && is_covered;
+  const std::optional<Time> stamp = evidence.known ? evidence.known : evidence.seen;
+  if (stamp && is_covered) tally.oldest = std::min(tally.oldest.value_or(*stamp), *stamp);
   tally.new_volume += new_volume;
   if (is_known || new_volume <= 0.0) return;
   tally.unseen_volume += new_volume;
@@ -186,9 +221,22 @@ void EvidenceCheck::lookAt(const Question& question, const Vector3& p_fixed, dou
   if (unseen_.size() < kUnseenShown) unseen_.push_back(p_fixed);
 }
 
+/// Of whichever sensor looks there first.
+std::optional<double> EvidenceCheck::nextLook(const Vector3& p_fixed, Time now) const {
+  std::optional<double> next_s;
+  for (const Sensor& sensor : sensors_) {
+    const Duration period = sensor.map->look_period;
+    const Duration late_max = fromSeconds(kLateShare * toSeconds(period));
+    const auto next = sensor.map->looks.nextLook(p_fixed, config_.margin_m, now, period, late_max);
+    if (!next) continue;
+    const double until_s = std::max(0.0, toSeconds(*next - now));
+    next_s = std::min(next_s.value_or(until_s), until_s);
+  }
+  return next_s;
+}
+
 void EvidenceCheck::sumUp(const Question& question, const Body& end_body) {
   double new_volume = 0.0, unseen_volume = 0.0, outside_volume = 0.0;
-  const Duration late_max = fromSeconds(kLateShare * toSeconds(question.map.look_period));
   for (std::size_t slot = 0; slot < tallies_.size(); ++slot) {
     const Tally& tally = tallies_[slot];
     LinkEvidence& link = findings_.links[slot];
@@ -199,10 +247,7 @@ void EvidenceCheck::sumUp(const Question& question, const Body& end_body) {
     link.age_s.reset();
     if (tally.oldest) link.age_s = toSeconds(question.now - *tally.oldest);
     const Vector3 end = end_body.poses[end_shape_of_slot_[slot]].translation();
-    const auto next = question.map.looks.nextLook(end, config_.margin_m, question.now,
-                                                  question.map.look_period, late_max);
-    link.next_look_s.reset();
-    if (next) link.next_look_s = std::max(0.0, toSeconds(*next - question.now));
+    link.next_look_s = nextLook(end, question.now);
     new_volume += tally.new_volume;
     unseen_volume += tally.unseen_volume;
     outside_volume += tally.outside_volume;

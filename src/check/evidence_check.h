@@ -58,7 +58,8 @@ class EvidenceCheck {
 
   /// @param now_body, end_body the same primitives at the present pose and at the way's end.
   /// The reference is valid until the next call.
-  const Findings& find(const CuboidMap& map, Time now, const Body& now_body, const Body& end_body);
+  const Findings& find(const Surroundings& around, Time now, const Body& now_body,
+                       const Body& end_body);
   [[nodiscard]] const Findings& findings() const { return findings_; }
   /// The model's shapes whose way should have been seen.
   [[nodiscard]] const std::vector<std::size_t>& shapes() const { return shapes_; }
@@ -73,11 +74,24 @@ class EvidenceCheck {
     double new_volume = 0.0, unseen_volume = 0.0, outside_volume = 0.0;
     std::optional<Time> oldest;  ///< evidence
   };
-  struct Question {
-    const CuboidMap& map;
-    Time now;
-    Duration old, lost;  ///< ages from which evidence is that
+  /// What one sensor looked at, and from which age on its evidence is old, and lost.
+  struct Sensor {
+    const CuboidMap* map;
+    Duration old, lost;
   };
+  struct Question {
+    const Grid& grid;
+    Time now;
+  };
+  /// What is known of a place.
+  struct Evidence {
+    bool looked = false, old = true, lost = true;  ///< old and lost: of all that looked there
+    std::optional<Time> known;                     ///< seen lately
+    std::optional<Time> seen;  ///< seen, in a direction in which was looked since
+  };
+  [[nodiscard]] Evidence evidenceOf(const Sensor& sensor, const Vector3& p_fixed, Time now) const;
+  [[nodiscard]] Evidence evidenceOf(const Vector3& p_fixed, Time now) const;
+  [[nodiscard]] std::optional<double> nextLook(const Vector3& p_fixed, Time now) const;
   void lookAlong(const Question& question, const Body& now_body, std::size_t i,
                  const Pose& T_fixed_end);
   [[nodiscard]] bool contains(const Body& body, const Vector3& p_fixed) const;
@@ -92,6 +106,7 @@ class EvidenceCheck {
   std::vector<std::size_t> slot_of_shape_;      ///< index into the findings' links, or kPassedOver
   std::vector<std::size_t> end_shape_of_slot_;  ///< the last of its shapes
   Findings findings_;
+  std::vector<Sensor> sensors_;
   std::vector<double> radii_;   ///< of spheres around the body's shapes
   std::vector<Tally> tallies_;  ///< by slot
   std::vector<Vector3> unseen_;

@@ -83,8 +83,7 @@ double GovernedSpeed::speedFor(double rest_m, double until_s, double deceleratio
 void GovernedSpeed::startAnew() {
   last_.reset();
   obeyed_ = {};
-  delay_s_ = 0.0;
-  serial_ = 0;
+  feeds_.clear();
   for (Track& track : tracks_) {
     track.places.clear();
     track.travelled_m = 0.0;
@@ -104,22 +103,17 @@ void GovernedSpeed::takeOver(const GovernedSpeed& before) {
     track.places.reserve(kPlacesMax);
   }
   last_ = before.last_;
-  serial_ = before.serial_;
-  delay_s_ = before.delay_s_;
+  feeds_ = before.feeds_;
   obeyed_ = before.obeyed_;
 }
 
 void GovernedSpeed::judge(const Situation& situation, Causes& causes) {
   limit_ = {};
   if (!active()) return;
-  const CuboidMap& map = situation.map;
-  if (map.serial != serial_) {
-    serial_ = map.serial;
-    delay_s_ = std::max(kDelayForgotten * delay_s_, toSeconds(situation.now - map.stamp));
-  }
+  noteDelays(situation);
   move(situation);
   for (Track& track : tracks_) {
-    forgetSeen(map, track);
+    forgetSeen(situation.around, track);
     limitBy(track, situation);
   }
   if (limit_.scale >= 1.0) return;
@@ -129,6 +123,17 @@ void GovernedSpeed::judge(const Situation& situation, Causes& causes) {
                                         link.c_str(), 1e3 * *limit_.next_look_s)
                                : lineOf("%.100s: no look at the place ahead is due", link.c_str());
   causes.push_back(Cause::slowing(Reason::kSpeedGoverned, limit_.scale, text, link));
+}
+
+void GovernedSpeed::noteDelays(const Situation& situation) {
+  feeds_.resize(situation.around.size());
+  std::size_t i = 0;
+  for (const CuboidMap* map : situation.around) {
+    Feed& feed = feeds_[i++];
+    if (map->serial == feed.serial) continue;
+    feed.serial = map->serial;
+    feed.delay_s = std::max(kDelayForgotten * feed.delay_s, toSeconds(situation.now - map->stamp));
+  }
 }
 
 void GovernedSpeed::move(const Situation& situation) {
@@ -205,21 +210,21 @@ double GovernedSpeed::marginAt(const LookImage& looks, const Vector3& p_fixed) c
 }
 
 /// Places that a scan has seen since, and those that the point has left behind.
-void GovernedSpeed::forgetSeen(const CuboidMap& map, Track& track) const {
+void GovernedSpeed::forgetSeen(const Surroundings& around, Track& track) const {
   const double far = 2.0 * (track.radius_m + config_.appear_distance_m);
   const auto isOver = [&](const Place& place) {
     if ((place.p_fixed - track.p_fixed).norm() > far) return true;
-    return map.looks.passedSince(place.since, place.p_fixed, marginAt(map.looks, place.p_fixed));
+    return std::any_of(around.begin(), around.end(), [&](const CuboidMap* map) {
+      const LookImage& looks = map->looks;
+      return looks.passedSince(place.since, place.p_fixed, marginAt(looks, place.p_fixed));
+    });
   };
   auto& places = track.places;
   places.erase(std::remove_if(places.begin(), places.end(), isOver), places.end());
 }
 
 void GovernedSpeed::limitBy(const Track& track, const Situation& situation) {
-  const CuboidMap& map = situation.map;
-  const Braking& braking = situation.braking;
   const double speed = track.velocity.norm();
-  const double late_s = kLateShare * toSeconds(map.look_period) + delay_s_;
   for (const Place& place : track.places) {
     const Vector3 to_place = place.p_fixed - track.p_fixed;
     // What it moves away from or past is not ahead.
@@ -229,16 +234,33 @@ void GovernedSpeed::limitBy(const Track& track, const Situation& situation) {
     // It may have appeared just before the next place was noted.
     const double rest_m =
         config_.appear_distance_m - config_.place_step_m - (track.travelled_m - place.travelled_m);
-    const auto next = map.looks.nextLook(place.p_fixed, marginAt(map.looks, place.p_fixed),
-                                         situation.now, map.look_period, fromSeconds(late_s));
-    const double until_s = next ? std::max(0.0, toSeconds(*next - situation.now)) : kNoLook;
-    const double allowed =
-        speedFor(rest_m, until_s + delay_s_ + braking.reaction_time_s, braking.deceleration_mps2);
+    const NextLook next = nextLook(place, situation);
+    const Braking& braking = situation.braking;
+    const double allowed = speedFor(rest_m, next.until_s + next.delay_s + braking.reaction_time_s,
+                                    braking.deceleration_mps2);
     const double scale = allowed / std::max(track.commanded_mps, speed);
     if (scale >= limit_.scale) continue;
     limit_ = {scale, model_->shapes()[track.shape].link, allowed, std::nullopt};
-    if (next) limit_.next_look_s = until_s;
+    if (next.is_due) limit_.next_look_s = next.until_s;
   }
+}
+
+/// Of the sensor whose verdict on the place comes first.
+GovernedSpeed::NextLook GovernedSpeed::nextLook(const Place& place,
+                                                const Situation& situation) const {
+  NextLook first{kNoLook, 0.0, false};
+  for (const Feed& feed : feeds_) first.delay_s = std::max(first.delay_s, feed.delay_s);
+  std::size_t i = 0;
+  for (const CuboidMap* map : situation.around) {
+    const double delay_s = feeds_[i++].delay_s;
+    const double late_s = kLateShare * toSeconds(map->look_period) + delay_s;
+    const auto next = map->looks.nextLook(place.p_fixed, marginAt(map->looks, place.p_fixed),
+                                          situation.now, map->look_period, fromSeconds(late_s));
+    if (!next) continue;
+    const double until_s = std::max(0.0, toSeconds(*next - situation.now));
+    if (until_s + delay_s < first.until_s + first.delay_s) first = {until_s, delay_s, true};
+  }
+  return first;
 }
 
 }  // namespace tccm

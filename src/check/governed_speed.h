@@ -98,14 +98,26 @@ class GovernedSpeed {
     double commanded_mps = 0.0;  ///< by estimate, at full scale
     std::vector<Place> places = {};
   };
+  /// How late what a sensor sees is checked.
+  struct Feed {
+    std::uint32_t serial = 0;  ///< of its last map
+    double delay_s = 0.0;      ///< from a scan's first beam to the check on it, the longest lately
+  };
+  struct NextLook {
+    double until_s;
+    double delay_s;  ///< and until the verdict on it
+    bool is_due;
+  };
   void addTracks(std::size_t shape);
+  void noteDelays(const Situation& situation);
+  [[nodiscard]] NextLook nextLook(const Place& place, const Situation& situation) const;
   void move(const Situation& situation);
   void estimateCommand(Track& track, double seconds) const;
   void notePlace(Track& track, const Situation& situation) const;
   [[nodiscard]] bool isBehindAnother(const Track& track, const Vector3& p_fixed,
                                      const Posture& posture) const;
   [[nodiscard]] double marginAt(const LookImage& looks, const Vector3& p_fixed) const;
-  void forgetSeen(const CuboidMap& map, Track& track) const;
+  void forgetSeen(const Surroundings& around, Track& track) const;
   void limitBy(const Track& track, const Situation& situation);
 
   std::shared_ptr<const RobotModel> model_;
@@ -114,8 +126,7 @@ class GovernedSpeed {
   std::vector<double> positions_soon_;
   std::vector<Track> tracks_;
   std::optional<Time> last_;
-  std::uint32_t serial_ = 0;
-  double delay_s_ = 0.0;  ///< from a scan's first beam to the check on it, the longest lately
+  std::vector<Feed> feeds_;  ///< by sensor
   ObeyedScale obeyed_;
   Limit limit_;
 };

@@ -22,6 +22,15 @@ bool comesOut(const Situation& situation) {
   return true;
 }
 
+/// A link as two sensors see it.
+LinkVisibility ofBoth(const LinkVisibility& one, const LinkVisibility& other) {
+  LinkVisibility both = one.visible_fraction >= other.visible_fraction ? one : other;
+  both.occluded_fraction = std::min(1.0 - both.visible_fraction,
+                                    std::max(one.occluded_fraction, other.occluded_fraction));
+  both.unseen_fraction = std::max(0.0, 1.0 - both.visible_fraction - both.occluded_fraction);
+  return both;
+}
+
 }  // namespace
 
 void OcclusionCheck::Config::describe(ParameterTable& table) {
@@ -46,23 +55,41 @@ OcclusionCheck::OcclusionCheck(const Config& config, std::vector<std::uint32_t> 
   sights_.reserve(buffer_.grid().pixels());
 }
 
-void OcclusionCheck::find(const CuboidMap& map, const Body& body, PoseFindings& findings) {
-  const Vector3& viewpoint = map.looks.empty() ? map.viewpoint : map.looks.viewpoint();
-  buffer_.begin(viewpoint);
-  findings.occluding_cuboids.clear();
-  findings.occluding_cuboids.reserve(map.cuboids.capacity());
-  drawFromNearToFar(viewpoint, body);
-  askLooks(map);
-  if (buffer_.canBeCovered()) {
-    for (std::uint32_t k = 0; k < map.cuboids.size(); ++k) {
-      if (!buffer_.cover(map, map.cuboids[k], config_.margin_m)) continue;
-      findings.occluding_cuboids.push_back(k);
+void OcclusionCheck::find(const Surroundings& around, const Body& body, PoseFindings& findings) {
+  std::vector<std::uint32_t>& hiding = findings.occluding_cuboids;
+  hiding.clear();
+  hiding.reserve(around.size() * around.map.cuboids.capacity());
+  findings.links = links_;
+  for (const CuboidMap* sensor : around) {
+    const bool is_first = sensor == *around.begin();
+    lookFrom(*sensor, around.map, body, is_first ? findings.links : other_, hiding);
+    if (is_first) continue;
+    for (std::size_t i = 0; i < links_.size(); ++i) {
+      findings.links[i] = ofBoth(findings.links[i], other_[i]);
     }
   }
-  findings.links = links_;
-  countPixels(findings.links);
+  if (around.size() > 1) {
+    std::sort(hiding.begin(), hiding.end());
+    hiding.erase(std::unique(hiding.begin(), hiding.end()), hiding.end());
+  }
   findings.occlusion = std::any_of(findings.links.begin(), findings.links.end(),
                                    [this](const LinkVisibility& link) { return isOccluded(link); });
+}
+
+void OcclusionCheck::lookFrom(const CuboidMap& sensor, const CuboidMap& all, const Body& body,
+                              std::vector<LinkVisibility>& links,
+                              std::vector<std::uint32_t>& hiding) {
+  const Vector3& viewpoint = sensor.looks.empty() ? sensor.viewpoint : sensor.looks.viewpoint();
+  buffer_.begin(viewpoint);
+  drawFromNearToFar(viewpoint, body);
+  askLooks(sensor);
+  if (buffer_.canBeCovered()) {
+    for (std::uint32_t k = 0; k < all.cuboids.size(); ++k) {
+      if (buffer_.cover(all, all.cuboids[k], config_.margin_m)) hiding.push_back(k);
+    }
+  }
+  links = links_;
+  countPixels(links);
 }
 
 /// As LookImage::at(), without its stamps.

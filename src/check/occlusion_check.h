@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "check/surroundings.h"
 #include "check/z_buffer.h"
 #include "config/parameter_table.h"
 #include "tccm_monitor/cuboid_map.h"
@@ -49,15 +50,20 @@ class OcclusionCheck {
   OcclusionCheck(const Config& config, std::vector<std::uint32_t> link_of_shape,
                  double old_periods = 1.5);
 
+  /// Of several sensors, the one that sees most of a link counts; what it does not see is hidden
+  /// as far as any sensor says so.
   /// @param findings reused: the links, in the order of those handed over, the cuboids that a part
   /// of any link is hidden behind, and whether a link is occluded.
-  void find(const CuboidMap& map, const Body& body, PoseFindings& findings);
+  void find(const Surroundings& around, const Body& body, PoseFindings& findings);
 
   [[nodiscard]] bool isOccluded(const LinkVisibility& link) const;
   /// The picture of the last find().
   [[nodiscard]] const ZBuffer& picture() const { return buffer_; }
 
  private:
+  /// From one sensor. @param links reused. @param hiding cuboids, appended.
+  void lookFrom(const CuboidMap& sensor, const CuboidMap& all, const Body& body,
+                std::vector<LinkVisibility>& links, std::vector<std::uint32_t>& hiding);
   void drawFromNearToFar(const Vector3& viewpoint, const Body& body);
   enum class PixelSight : std::uint8_t { kVisible, kOccluded, kUnseen };
   void askLooks(const CuboidMap& map);
@@ -69,6 +75,7 @@ class OcclusionCheck {
   Config config_;
   double old_periods_;
   std::vector<LinkVisibility> links_;       ///< none of which shows
+  std::vector<LinkVisibility> other_;       ///< as a further sensor sees them, reused
   std::vector<std::size_t> slot_of_shape_;  ///< index into links_
   ZBuffer buffer_;
   std::vector<std::pair<double, std::uint32_t>> order_;  ///< distance of each shape, reused

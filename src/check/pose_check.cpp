@@ -90,9 +90,9 @@ const Posture& PoseCheck::place(const std::vector<double>& positions,
   return posture;
 }
 
-void PoseCheck::check(const CuboidMap& map, PoseFindings& findings) {
-  findContacts(map, findings);
-  findOcclusion(map, findings);
+void PoseCheck::check(const Surroundings& around, PoseFindings& findings) {
+  findContacts(around.map, findings);
+  findOcclusion(around, findings);
 }
 
 void PoseCheck::findContacts(const CuboidMap& map, PoseFindings& findings) const {
@@ -103,9 +103,9 @@ void PoseCheck::findContacts(const CuboidMap& map, PoseFindings& findings) const
   findings.collision = !findings.contacts.empty();
 }
 
-void PoseCheck::findOcclusion(const CuboidMap& map, PoseFindings& findings) {
+void PoseCheck::findOcclusion(const Surroundings& around, PoseFindings& findings) {
   if (robot_->config.check_occlusion) {
-    occlusion_.find(map, occlusion_body_.body, findings);
+    occlusion_.find(around, occlusion_body_.body, findings);
     return;
   }
   findings.links.clear();

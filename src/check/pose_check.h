@@ -6,6 +6,7 @@
 
 #include "check/collision_check.h"
 #include "check/occlusion_check.h"
+#include "check/surroundings.h"
 #include "robot/joint_path.h"
 #include "robot/kinematics.h"
 #include "robot/link_use.h"
@@ -76,10 +77,10 @@ class PoseCheck {
   [[nodiscard]] const Posture& posture() const { return kinematics_.posture(); }
 
   /// @param findings reused. Contacts name the model's shapes, links the model's links.
-  void check(const CuboidMap& map, PoseFindings& findings);
+  void check(const Surroundings& around, PoseFindings& findings);
   /// The parts of it, in this order.
   void findContacts(const CuboidMap& map, PoseFindings& findings) const;
-  void findOcclusion(const CuboidMap& map, PoseFindings& findings);
+  void findOcclusion(const Surroundings& around, PoseFindings& findings);
 
   /// The distance from each link that is checked for collision to the nearest cuboid, in the order
   /// of their first primitives: of the primitives as they are, without padding. Only cuboids with

@@ -5,6 +5,7 @@
 
 #include "check/commanded_trajectories.h"
 #include "check/pose_check.h"
+#include "check/surroundings.h"
 
 namespace tccm {
 
@@ -26,7 +27,7 @@ struct Braking {
 /// What there is to judge at one instant. Every pose in it was computed once, for all judges.
 struct Situation {
   Time now;
-  const CuboidMap& map;
+  Surroundings around;
   const JointSnapshot& joints;
   CommandedTrajectories& commanded;  ///< has found where the robot goes until the horizon
   const PoseCheck& check_here;       ///< at the present pose

@@ -38,7 +38,8 @@ TrajectoryCheck::TrajectoryCheck(const std::shared_ptr<const CheckedRobot>& robo
       clearance_radius_m_(clearance_radius_m),
       path_(robot->model->variables().size()) {}
 
-TrajectoryAnswer TrajectoryCheck::check(const CuboidMap& map, const JointTrajectory& trajectory,
+TrajectoryAnswer TrajectoryCheck::check(const Surroundings& around,
+                                        const JointTrajectory& trajectory,
                                         const std::vector<double>& from,
                                         const std::vector<Pose>& T_fixed_roots) {
   TrajectoryAnswer answer;
@@ -50,12 +51,12 @@ TrajectoryAnswer TrajectoryCheck::check(const CuboidMap& map, const JointTraject
   if (!makePath(trajectory, *robot_->model, from, kSplineTolerance, path_)) return tooLong();
   path_.travelUntil(path_.end(), positions_);
   if (*std::max_element(positions_.begin(), positions_.end()) > kTravelMax) return tooLong();
-  const Way way{map, path_, T_fixed_roots};
+  const Way way{around.map, path_, T_fixed_roots};
   if (!findClearances(way, trajectory, answer)) return tooLong();
   findCollision(way, trajectory, answer);
   if (way_.isTooLong()) return tooLong();
   if (answer.cause.reason == Reason::kClear && robot_->config.check_occlusion) {
-    findOcclusion(way, trajectory, answer);
+    findOcclusion(around, way, trajectory, answer);
   }
   return answer;
 }
@@ -104,15 +105,15 @@ void TrajectoryCheck::findCollision(const Way& way, const JointTrajectory& traje
   }
 }
 
-void TrajectoryCheck::findOcclusion(const Way& way, const JointTrajectory& trajectory,
-                                    TrajectoryAnswer& answer) {
+void TrajectoryCheck::findOcclusion(const Surroundings& around, const Way& way,
+                                    const JointTrajectory& trajectory, TrajectoryAnswer& answer) {
   const std::size_t points = trajectory.points.size();
   const auto poses = std::min(points, static_cast<std::size_t>(config_.occlusion_poses));
   for (std::size_t k = 1; k <= poses; ++k) {
     const std::size_t i = k * points / poses - 1;  // the last one is among them
     const double time_s = trajectory.points[i].time_s;
     place(way, time_s);
-    pose_.findOcclusion(way.map, findings_);
+    pose_.findOcclusion(around, findings_);
     const std::string hidden = pose_.mostHiddenLink(findings_);
     if (hidden.empty()) continue;
     answer.index = i;

@@ -29,7 +29,8 @@ class TrajectoryCheck {
   /// @param from where the robot is, one position for each variable.
   /// @param T_fixed_roots one for each of the model's roots; they stand still.
   /// @return CHECK_LATE for one that cannot be judged within a second.
-  [[nodiscard]] TrajectoryAnswer check(const CuboidMap& map, const JointTrajectory& trajectory,
+  [[nodiscard]] TrajectoryAnswer check(const Surroundings& around,
+                                       const JointTrajectory& trajectory,
                                        const std::vector<double>& from,
                                        const std::vector<Pose>& T_fixed_roots);
 
@@ -40,7 +41,8 @@ class TrajectoryCheck {
                                     TrajectoryAnswer& answer);
   void place(const Way& way, double time_s);
   void findCollision(const Way& way, const JointTrajectory& trajectory, TrajectoryAnswer& answer);
-  void findOcclusion(const Way& way, const JointTrajectory& trajectory, TrajectoryAnswer& answer);
+  void findOcclusion(const Surroundings& around, const Way& way, const JointTrajectory& trajectory,
+                     TrajectoryAnswer& answer);
 
   std::shared_ptr<const CheckedRobot> robot_;
   Config config_;

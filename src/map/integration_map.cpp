@@ -12,6 +12,13 @@ namespace {
 constexpr double kPlaceRounding = 1e-6;   // [m]; returns are rounded to the micrometre
 constexpr double kHeightRounding = 1e-9;  // [m]
 
+/// Whole ones; 0 where `then` is not before.
+std::uint32_t millisecondsUntil(Time now, Time then) {
+  const auto since = std::chrono::duration_cast<std::chrono::milliseconds>(now - then).count();
+  return static_cast<std::uint32_t>(
+      std::clamp<std::int64_t>(since, 0, std::numeric_limits<std::uint32_t>::max()));
+}
+
 /// Puts together what a scan's returns occupy before it goes into the columns. Beams side by side
 /// fall into a few cells in turn, and mostly see the same surface: most of them only widen what is
 /// gathered already. The columns become what they would return by return.
@@ -216,12 +223,15 @@ void IntegrationMap::appendLive(CellIndex cell, CuboidMap& map) const {
     Cuboid cuboid;
     cuboid.cell = cell;
     cuboid.bottom = cuboid.top = columns_.interval(i).bottom;
+    std::uint32_t scans_ago = serial_ - columns_.interval(i).serial;
     // Touching intervals are one cuboid, or the list would depend on how it came about.
     for (; i != Columns::kNone && columns_.interval(i).bottom == cuboid.top;
          i = columns_.interval(i).next) {
       cuboid.top = columns_.interval(i).top;
       cuboid.age_scans = std::max(cuboid.age_scans, serial_ - columns_.interval(i).born);
+      scans_ago = std::min(scans_ago, serial_ - columns_.interval(i).serial);
     }
+    cuboid.unseen_ms = millisecondsUntil(newest_stamp_, ring_.stampOf(serial_ - scans_ago));
     cuboid.points = pointsIn(cell, {cuboid.bottom, cuboid.top});
     map.cuboids.push_back(cuboid);
   }
@@ -246,6 +256,7 @@ void IntegrationMap::snapshot(CuboidMap& map, const std::vector<HeldLayer::Inter
       Cuboid cuboid{cell, next_held->heights.bottom, next_held->heights.top, next_held->support};
       cuboid.age_scans = serial_ - next_held->born;
       cuboid.held = true;
+      cuboid.unseen_ms = millisecondsUntil(newest_stamp_, next_held->seen);
       map.cuboids.push_back(cuboid);
     }
     std::sort(map.cuboids.begin() + begin, map.cuboids.end(),

@@ -272,6 +272,7 @@ void Mapper::snapshot(CuboidMap& map) const {
   map.overflowed = map.overflowed || hold_.overflowed(map_);
   map.tilt_stopped = tilt_stopped_;
   map.look_period = lookPeriod();
+  map.hold = fromSeconds(config_.hold.longest_s);
   map.self_share = self_share_.share();
   map.looks.copyFrom(looks_.image());
   map.viewpoint = viewpoint_;

@@ -26,6 +26,10 @@ class PartMapRing {
   /// @pre scans() > 0
   [[nodiscard]] Time oldestStamp() const { return parts_[oldest_].stamp; }
   [[nodiscard]] std::uint32_t oldestSerial() const { return parts_[oldest_].serial; }
+  /// @param serial of one of the scans; they follow one another.
+  [[nodiscard]] Time stampOf(std::uint32_t serial) const {
+    return parts_[(oldest_ + (serial - oldestSerial())) % parts_.size()].stamp;
+  }
 
   /// Begins the newest part map. @pre !full()
   void begin(std::uint32_t serial, Time stamp) {

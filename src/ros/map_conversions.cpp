@@ -96,7 +96,8 @@ std::string fromMessages(const std::vector<tccm_monitor::Cuboid>& messages, Cubo
       return "its cuboids are not ordered by cell and height, or overlap";
     }
     map.cuboids.push_back({message.cell, static_cast<Height>(bottom), static_cast<Height>(top),
-                           message.points, message.age_scans, message.dyn, message.held != 0});
+                           message.points, message.age_scans, message.dyn, message.held != 0,
+                           message.unseen_ms});
   }
   return {};
 }
@@ -123,6 +124,7 @@ void toMessage(const CuboidMap& map, const std::string& frame, tccm_monitor::Cub
   message.overflowed = map.overflowed;
   message.tilt_stopped = map.tilt_stopped;
   message.look_period = toRos(map.look_period);
+  message.hold = toRos(map.hold);
   message.self_share = static_cast<float>(map.self_share.value_or(NAN));
   message.viewpoint = tf2::toMsg(map.viewpoint);
   toMessage(map.looks, message.looks);
@@ -138,6 +140,7 @@ void toMessage(const CuboidMap& map, const std::string& frame, tccm_monitor::Cub
     out.dyn = cuboid.dyn;
     out.col = tccm_monitor::Cuboid::CLEAR;
     out.held = static_cast<std::uint8_t>(cuboid.held);
+    out.unseen_ms = cuboid.unseen_ms;
   }
 }
 
@@ -161,6 +164,8 @@ std::string fromMessage(const tccm_monitor::CuboidMap& message, CuboidMap& map) 
     map.tilt_stopped = message.tilt_stopped;
     map.look_period = Duration(message.look_period.toNSec());
     if (map.look_period < Duration::zero()) return "its look_period is negative";
+    map.hold = Duration(message.hold.toNSec());
+    if (map.hold < Duration::zero()) return "its hold is negative";
     map.self_share.reset();
     if (!std::isnan(message.self_share)) map.self_share = static_cast<double>(message.self_share);
     if (map.self_share && !(*map.self_share >= 0.0 && *map.self_share <= 1.0)) {

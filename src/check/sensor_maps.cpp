@@ -1,0 +1,107 @@
+#include "check/sensor_maps.h"
+
+#include <algorithm>
+
+namespace tccm {
+namespace {
+
+/// [m] beyond a cuboid that a look has to reach to show that nothing is there any more.
+constexpr double kThrough = 0.05;
+
+bool isSame(const SensorMaps::Source& one, const SensorMaps::Source& other) {
+  return one.map == other.map && one.is_out == other.is_out;
+}
+
+}  // namespace
+
+void SensorMaps::clear() {
+  sources_.clear();
+  each_.clear();
+  all_ = nullptr;
+}
+
+void SensorMaps::unite(Time now, const std::vector<Source>& sources) {
+  if (sources.size() == 1) {
+    each_.clear();
+    all_ = sources.front().map.get();
+    if (all_) each_.push_back(all_);
+    sources_ = sources;
+    return;
+  }
+  const auto counts = [now](const Source& source) {
+    return source.map && !(source.is_out && now - source.map->stamp > source.map->hold);
+  };
+  std::size_t in = 0;
+  bool changed = false;
+  for (const Source& source : sources) {
+    if (!counts(source)) continue;
+    changed = changed || in >= sources_.size() || !isSame(source, sources_[in]);
+    ++in;
+  }
+  if (!changed && in == sources_.size()) return;
+  sources_.clear();
+  std::copy_if(sources.begin(), sources.end(), std::back_inserter(sources_), counts);
+  each_.clear();
+  for (const Source& source : sources) {
+    if (source.map) each_.push_back(source.map.get());
+  }
+  all_ = nullptr;
+  if (!each_.empty()) fill();
+}
+
+void SensorMaps::fill() {
+  const CuboidMap& first = *each_.front();
+  if (!(united_.grid == first.grid)) united_.grid = first.grid;
+  united_.thickness = first.thickness;
+  united_.viewpoint = first.viewpoint;
+  united_.stamp = Time();
+  united_.window = united_.look_period = Duration::zero();
+  united_.window_scans = 0;
+  united_.complete = true;
+  ++united_.serial;
+  std::size_t most = 0;
+  for (const CuboidMap* map : each_) most += map->cuboids.capacity();
+  united_.cuboids.reserve(most);
+  united_.cuboids.clear();
+  for (const Source& source : sources_) {
+    united_.stamp = std::max(united_.stamp, source.map->stamp);
+    united_.window = std::max(united_.window, source.map->window);
+    united_.look_period = std::max(united_.look_period, source.map->look_period);
+    united_.window_scans += source.map->window_scans;
+  }
+  united_.cell_begin.resize(united_.grid.cells() + 1);
+  for (CellIndex cell = 0; cell < united_.grid.cells(); ++cell) {
+    const auto begin = static_cast<std::ptrdiff_t>(united_.cuboids.size());
+    united_.cell_begin[cell] = static_cast<std::uint32_t>(begin);
+    for (const Source& source : sources_) append(cell, source);
+    std::stable_sort(united_.cuboids.begin() + begin, united_.cuboids.end(),
+                     [](const Cuboid& a, const Cuboid& b) { return a.bottom < b.bottom; });
+  }
+  united_.cell_begin[united_.grid.cells()] = static_cast<std::uint32_t>(united_.cuboids.size());
+  all_ = &united_;
+}
+
+void SensorMaps::append(CellIndex cell, const Source& source) {
+  const CuboidMap& map = *source.map;
+  for (std::uint32_t k = map.cell_begin[cell]; k < map.cell_begin[cell + 1]; ++k) {
+    if (isOverruled(map.cuboids[k], source)) continue;
+    united_.cuboids.push_back(map.cuboids[k]);
+    united_.cuboids.back().held = map.cuboids[k].held || source.is_out;
+  }
+}
+
+bool SensorMaps::isOverruled(const Cuboid& cuboid, const Source& by_source) const {
+  const Time seen = by_source.map->stamp - std::chrono::milliseconds(cuboid.unseen_ms);
+  const UprightBox box = by_source.map->box(cuboid);
+  const Vector3 middle = box.center();
+  return std::any_of(sources_.begin(), sources_.end(), [&](const Source& other) {
+    if (other.map == by_source.map || other.is_out || other.map->stamp <= seen) return false;
+    const LookImage& looks = other.map->looks;
+    const auto isThrough = [&](double z) {
+      return looks.inViewSince(seen, {middle.x(), middle.y(), z}, -kThrough);
+    };
+    return isThrough(middle.z()) && isThrough(box.min().z()) && isThrough(box.max().z());
+  });
+}
+
+}  // namespace tccm

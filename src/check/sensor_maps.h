@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "tccm_monitor/cuboid_map.h"
+
+namespace tccm {
+
+/// The maps of all sensors, and all that is occupied by any of them as one map.
+///
+/// Each sensor's cuboids are in it, but for those that another sensor has looked through since they
+/// were seen last: time decides. So do those of a sensor that is not heard any more, as held ones,
+/// for as long as its mapper would hold them. Of one sensor alone its map is passed on as it is.
+class SensorMaps {
+ public:
+  struct Source {
+    std::shared_ptr<const CuboidMap> map;  ///< nothing: none came yet
+    bool is_out = false;                   ///< nothing that is to be relied on comes any more
+  };
+
+  /// @param sources one for each sensor, always of the same number.
+  void unite(Time now, const std::vector<Source>& sources);
+  void clear();
+
+  /// Nothing where no sensor has a map. Serials rise with each change.
+  [[nodiscard]] const CuboidMap* all() const { return all_; }
+  /// Of each sensor that has one: where it looked, and when.
+  [[nodiscard]] const std::vector<const CuboidMap*>& each() const { return each_; }
+  /// Whether two maps cover the same cells.
+  [[nodiscard]] static bool fit(const CuboidMap& one, const CuboidMap& other) {
+    return one.grid == other.grid;
+  }
+
+ private:
+  void fill();
+  void append(CellIndex cell, const Source& source);
+  [[nodiscard]] bool isOverruled(const Cuboid& cuboid, const Source& by_source) const;
+
+  std::vector<Source> sources_;  ///< that are in it
+  std::vector<const CuboidMap*> each_;
+  CuboidMap united_;
+  const CuboidMap* all_ = nullptr;
+};
+
+}  // namespace tccm
