@@ -48,7 +48,7 @@ void declare(CLI::App& command, HoverOptions& options) {
 }
 
 Json settingsOf(const HoverOptions& options) {
-  return {{"hold_s", options.trial.monitor.mapper.hold.longest_s},
+  return {{"hold_s", options.trial.monitor.sensors.front().mapper.hold.longest_s},
           {"hover_s", options.trial.hover_s},
           {"speed_mps", options.trial.down_mps},
           {"gap_m", {options.trial.ranges.gap_min_m, options.trial.ranges.gap_max_m}},

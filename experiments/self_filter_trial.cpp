@@ -68,7 +68,7 @@ void SelfFilterTrial::Config::validate() const {
 SelfFilterTrial::SelfFilterTrial(const Config& config, std::shared_ptr<const RobotModel> model)
     : config_((config.validate(), config)),
       simulation_(config.simulator, config.monitor, std::move(model)),
-      grid_(config.monitor.mapper.map.grid),
+      grid_(config.monitor.sensors.front().mapper.map.grid),
       random_(config.simulator.seed),
       next_pause_change_(config.pause_every_s > 0.0 && !config.obeys ? now() : Time::max()) {
   if (config.obeys) simulation_.obey();

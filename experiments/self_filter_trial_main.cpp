@@ -62,7 +62,7 @@ void declare(CLI::App& app, Options& options) {
 
 nlohmann::ordered_json settingsToJson(const Options& options) {
   const Simulator::Config& simulator = options.trial.simulator;
-  const ScanAssembler& assembler = options.trial.monitor.scan.assembler;
+  const ScanAssembler& assembler = options.trial.monitor.sensors.front().scan.assembler;
   return {
       {"minutes", options.minutes},
       {"seed", simulator.seed},
@@ -77,8 +77,8 @@ nlohmann::ordered_json settingsToJson(const Options& options) {
       {"spot_deg", simulator.scanner.spot_deg},
       {"body_error_m", simulator.body_error.size_m},
       {"body_error", options.body_error},
-      {"self_filter", options.trial.monitor.scan.self_filter},
-      {"self_filter_padding_m", options.trial.monitor.scan.body.filtered.expansion.padding_m},
+      {"self_filter", options.trial.monitor.sensors.front().scan.self_filter},
+      {"self_filter_padding_m", options.trial.monitor.sensors.front().scan.body.filtered.expansion.padding_m},
       {"self_filter_range_tolerance_m", assembler.body.range_tolerance_m},
       {"self_filter_grazing_m", assembler.body.grazing_m},
       {"self_filter_shadow_depth_m", assembler.body.shadow_depth_m},

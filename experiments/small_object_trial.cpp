@@ -119,7 +119,7 @@ std::vector<Vector3> smallObjectPlaces(const SmallObjectTrial::Config& config,
   rays.margin_m = 0.0;
   rays.tilt = config.tilt;
   const TrueVisibility visibility(rays);
-  const Grid grid(config.monitor.mapper.map.grid);
+  const Grid grid(config.monitor.sensors.front().mapper.map.grid);
   const Grid::Config& area = grid.config();
   const double radius_m = std::sqrt(0.75) * config.size_m;
   const auto steps = static_cast<int>(within_m / step_m);

@@ -76,7 +76,7 @@ StoppingTrial::StoppingTrial(const Config& config, std::shared_ptr<const RobotMo
       model_(model),
       path_(pathOf(config_, model)),
       kinematics_(model),
-      grid_(config.monitor.mapper.map.grid),
+      grid_(config.monitor.sensors.front().mapper.map.grid),
       simulation_(simulatorConfig(seed), config_.monitor, model),
       arm_(std::move(model), reachingLinks(), kSpacing),
       start_(simulation_.simulator().now()) {
@@ -191,7 +191,7 @@ Body StoppingTrial::armAt(double way_m) {
 
 /// Whether the arm, padded, comes to touch the cuboid that a return makes.
 bool StoppingTrial::isInTheWay(const Grid::Place& place) const {
-  const Height thickness = grid_.heightOf(config_.monitor.mapper.map.thickness_m);
+  const Height thickness = grid_.heightOf(config_.monitor.sensors.front().mapper.map.thickness_m);
   const UprightBox cuboid = grid_.box(place.cell, place.height - thickness, place.height);
   return std::any_of(ahead_.begin(), ahead_.end(), [&](const Body& arm) {
     for (std::size_t i = 0; i < arm.shapes.size(); ++i) {

@@ -73,6 +73,62 @@ void TopicConfig::describe(ParameterTable& table) {
   table.add("joint_states", &joint_states, "sensor_msgs/JointState");
 }
 
+void SensorConfig::describe(ParameterTable& table) {
+  table.add("scan", &scan, "where the offline programs find its sensor_msgs/LaserScan in a bag");
+}
+
+std::vector<SensorConfig> MonitorConfig::sensors() const {
+  if (!named_sensors.empty()) return named_sensors;
+  return {{"", topics.scan, assembler, mapper}};
+}
+
+Monitor::Config MonitorConfig::monitor() const {
+  Monitor::Config config;
+  config.sensors.clear();
+  for (const SensorConfig& sensor : sensors()) {
+    config.sensors.push_back({sensor.assembler.scan, sensor.mapper.mapper});
+  }
+  config.checker = checker.checker;
+  return config;
+}
+
+namespace {
+
+/// @throws ConfigError where nothing reads one of the keys.
+template <typename Config>
+void loadAll(const YAML::Node& node, const std::string& owner, Config& config) {
+  const ParameterTable::Names unknown = load(node, owner, config);
+  if (unknown.empty()) return;
+  throw ConfigError(owner + "/" + unknown.front() + ": there is no such parameter");
+}
+
+/// A named sensor's section.
+SensorConfig readSensor(YAML::Node section, const std::string& name) {
+  if (!section || !section.IsMap()) {
+    throw ConfigError("sensors: '" + name + "' has no section of its own");
+  }
+  SensorConfig sensor;
+  sensor.name = name;
+  loadAll(section["tilt_scan_assembler"], name + "/tilt_scan_assembler", sensor.assembler);
+  loadAll(section["tccm_mapper"], name + "/tccm_mapper", sensor.mapper);
+  section.remove("tilt_scan_assembler");
+  section.remove("tccm_mapper");
+  loadAll(section, name, sensor);
+  return sensor;
+}
+
+/// @throws ConfigError where one names another than the checker.
+void requireOneFrame(const MonitorConfig& config) {
+  for (const SensorConfig& sensor : config.sensors()) {
+    if (sensor.assembler.fixed_frame == config.checker.fixed_frame) continue;
+    const std::string owner = sensor.name.empty() ? "" : sensor.name + "/";
+    throw ConfigError("fixed_frame: " + owner +
+                      "tilt_scan_assembler and collision_checker name different ones");
+  }
+}
+
+}  // namespace
+
 MonitorConfig readMonitorConfig(const std::string& path) {
   const YAML::Node file = path.empty() ? YAML::Node() : loadYamlFile(path);
   MonitorConfig config;
@@ -82,19 +138,25 @@ MonitorConfig readMonitorConfig(const std::string& path) {
   ParameterTable::Names sections;
   config.visitSections([&](const std::string& name, auto& section, const std::string&) {
     sections.push_back(name);
-    const auto unknown = load(file.IsMap() ? file[name] : YAML::Node(), name, section);
-    if (unknown.empty()) return;
-    throw ConfigError(name + "/" + unknown.front() + ": there is no such parameter");
+    loadAll(file.IsMap() ? file[name] : YAML::Node(), name, section);
   });
+  for (const SensorInput::Config& sensor : config.checker.checker.inputs.sensors) {
+    if (std::find(sections.begin(), sections.end(), sensor.name) != sections.end()) {
+      throw ConfigError("sensors: '" + sensor.name + "' cannot be a sensor's name");
+    }
+    config.named_sensors.push_back(readSensor(file[sensor.name], sensor.name));
+    sections.push_back(sensor.name);
+  }
   for (const auto& entry : file) {
     const auto name = entry.first.as<std::string>();
+    if (!config.named_sensors.empty() && (name == "tilt_scan_assembler" || name == "tccm_mapper")) {
+      throw ConfigError(path + ": with `sensors` each has '" + name + "' in its own section");
+    }
     if (std::find(sections.begin(), sections.end(), name) != sections.end()) continue;
     throw ConfigError(path + ": '" + name +
-                      "' names no nodelet, nor is it monitored_robot or topics");
+                      "' names no nodelet and no sensor, nor is it monitored_robot or topics");
   }
-  if (config.assembler.fixed_frame != config.checker.fixed_frame) {
-    throw ConfigError("fixed_frame: tilt_scan_assembler and collision_checker name different ones");
-  }
+  requireOneFrame(config);
   config.checker.checker.inputs.fixed_frame = config.checker.fixed_frame;
   return config;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "check/checker_config.h"
 #include "map/mapper.h"
@@ -10,8 +11,12 @@
 namespace tccm {
 
 struct Monitor::Config {
-  ScanStage::Config scan;
-  Mapper::Config mapper;
+  /// The stages of one sensor.
+  struct Sensor {
+    ScanStage::Config scan;
+    Mapper::Config mapper;
+  };
+  std::vector<Sensor> sensors{Sensor()};  ///< in the order of the checker's; one at least
   Checker::Config checker;
 };
 
@@ -66,6 +71,16 @@ struct TopicConfig {
   void describe(ParameterTable& table);
 };
 
+/// What belongs to one sensor: a section of the file that has its name, and a namespace.
+struct SensorConfig {
+  std::string name;            ///< empty: it is the only one, and its sections stand at the top
+  std::string scan = "/scan";  ///< topic
+  AssemblerConfig assembler;
+  MapperConfig mapper;
+
+  void describe(ParameterTable& table);
+};
+
 /// All of it.
 struct MonitorConfig {
   RobotModel::Config robot;
@@ -74,10 +89,12 @@ struct MonitorConfig {
   CheckerConfig checker;
   TopicConfig topics;
 
+  std::vector<SensorConfig> named_sensors;  ///< none: there is one, `assembler` and `mapper`
+
+  /// One at least.
+  [[nodiscard]] std::vector<SensorConfig> sensors() const;
   /// What the core takes of it.
-  [[nodiscard]] Monitor::Config monitor() const {
-    return {assembler.scan, mapper.mapper, checker.checker};
-  }
+  [[nodiscard]] Monitor::Config monitor() const;
   /// Calls visit(name, config, meaning) for each section.
   template <typename Visit>
   void visitSections(Visit&& visit) {

@@ -55,7 +55,7 @@ std::shared_ptr<const RobotModel> robot() {
 Monitor::Config configuration() {
   Monitor::Config config;
   config.checker.evidence.unseen_fraction_max = 1.0;  // the sensor of this test looks at little
-  config.mapper.map.scans_max = 512;
+  config.sensors.front().mapper.map.scans_max = 512;
   config.checker.pose.check_occlusion = false;
   // The post stands 40 mm beside the hand's way.
   config.checker.pose.collision_use.expansion.padding_m = 0.03;
@@ -258,7 +258,7 @@ TEST_F(MonitorAttachTest, AMugThatWasLetGoOfIsMappedAgainWithinASweep) {
 
 TEST_F(MonitorAttachTest, WithoutASelfFilterTheMugIsForgottenAndSeenAgain) {
   Monitor::Config config = configuration();
-  config.scan.self_filter = false;
+  config.sensors.front().scan.self_filter = false;
   Monitor monitor(config, robot());
   runFor(monitor, 3.0);
   monitor.attach(at(now_), mug(), kForgetPadding);

@@ -221,18 +221,18 @@ TEST(MonitorConfigTest, TheCoreGetsWhatTheFileSays) {
   EXPECT_EQ(settings.topics.scan, "/tilt_scan");
   EXPECT_EQ(settings.topics.joint_states, "/joint_states");
   const Monitor::Config config = settings.monitor();
-  EXPECT_FALSE(config.scan.self_filter);
+  EXPECT_FALSE(config.sensors.front().scan.self_filter);
   EXPECT_EQ(settings.robot.capsule_links, std::vector<std::string>{"a"});
   EXPECT_EQ(settings.robot.monitored_links, std::vector<std::string>{"b"});
   EXPECT_EQ(settings.robot.fixed_joints.at("c"), 0.5);
   EXPECT_EQ(settings.robot.link_groups.at("d"), std::vector<std::string>{"e"});
   EXPECT_EQ(config.checker.pose.collision_use.links, std::vector<std::string>{"b"});
-  ASSERT_EQ(config.scan.body.filtered.exceptions.size(), 2U);
-  EXPECT_EQ(config.scan.body.filtered.exceptions[0].scale, 1.1);
-  EXPECT_FALSE(config.scan.body.filtered.exceptions[0].padding_m);
-  EXPECT_EQ(config.scan.body.filtered.exceptions[1].padding_m, 0.1);
-  EXPECT_EQ(config.mapper.map.grid.cell_size_m, 0.05);
-  EXPECT_EQ(config.mapper.window_scans, 40);
+  ASSERT_EQ(config.sensors.front().scan.body.filtered.exceptions.size(), 2U);
+  EXPECT_EQ(config.sensors.front().scan.body.filtered.exceptions[0].scale, 1.1);
+  EXPECT_FALSE(config.sensors.front().scan.body.filtered.exceptions[0].padding_m);
+  EXPECT_EQ(config.sensors.front().scan.body.filtered.exceptions[1].padding_m, 0.1);
+  EXPECT_EQ(config.sensors.front().mapper.map.grid.cell_size_m, 0.05);
+  EXPECT_EQ(config.sensors.front().mapper.window_scans, 40);
   EXPECT_EQ(config.checker.way.horizon_s, 0.25);
   EXPECT_EQ(config.checker.inputs.fixed_frame, "odom");
 }

@@ -30,7 +30,7 @@ LaserScan scanOfTable(double seconds) {
 
 Monitor::Config configuration() {
   Monitor::Config config;
-  config.mapper.map.scans_max = 256;
+  config.sensors.front().mapper.map.scans_max = 256;
   config.checker.pose.check_occlusion = false;
   return config;
 }
@@ -118,7 +118,7 @@ TEST_F(MonitorTest, TheRobotItselfDoesNotReachTheMap) {
   Monitor filtering(configuration(), test::modelOf(ballOnSlide()));
   const auto outcome = runUntil(filtering, 100.5, kTableHeight);
   Monitor::Config config = configuration();
-  config.scan.self_filter = false;
+  config.sensors.front().scan.self_filter = false;
   Monitor open(config, test::modelOf(ballOnSlide()));
   EXPECT_EQ(open.body(), nullptr);
   now_ = 100.0;
@@ -199,7 +199,7 @@ TEST(TakeReturnsTest, OnlyWhatIsForTheMapIsTaken) {
 
 TEST(MonitorConfigTest, AConfigurationThatMustNotBeRunWithIsRefused) {
   Monitor::Config config = configuration();
-  config.mapper.map.thickness_m = 0.0;
+  config.sensors.front().mapper.map.thickness_m = 0.0;
   EXPECT_THROW(Monitor(config, nullptr), ConfigError);
 }
 

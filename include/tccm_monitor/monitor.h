@@ -48,14 +48,15 @@ class Monitor {
                  const std::vector<double>& positions, const std::vector<double>& velocities,
                  const std::string& publisher = {});
   /// A scan came in, and waits for transforms.
-  void scanArrived(Time now, Time stamp);
+  /// @param sensor here and below: index into the configured sensors.
+  void scanArrived(Time now, Time stamp, std::size_t sensor = 0);
   /// A scan that came in will not be handed over. @param report says why.
-  void scanDropped(Time now, const ScanReport& report);
+  void scanDropped(Time now, const ScanReport& report, std::size_t sensor = 0);
   /// @param now when it is processed, by the clock of the stamps.
   /// @param T_fixed_sensor the sensor's poses over the scan. @param T_fixed_roots one for each of
   /// the model's roots, where a robot is filtered out.
   ScanOutcome addScan(Time now, const LaserScan& scan, const PosePath& T_fixed_sensor,
-                      const std::vector<PosePath>& T_fixed_roots);
+                      const std::vector<PosePath>& T_fixed_roots, std::size_t sensor = 0);
   /// The robot holds something from now on: it joins the body for filter and check, and what was
   /// seen of it leaves the map, also in scans stamped up to now that are still to come.
   /// @param forget_padding_m what was seen this near to it was the object.
@@ -66,19 +67,21 @@ class Monitor {
   bool detach(const std::string& object);
   /// As at the start: after time has jumped back. Serials go on, and what holds until it is reset.
   void reset();
-  /// The map after the last scan; none before the first.
-  [[nodiscard]] const CuboidMap* map() const;
+  [[nodiscard]] std::size_t sensors() const;
+  /// A sensor's map after its last scan; none before the first.
+  [[nodiscard]] const CuboidMap* map(std::size_t sensor = 0) const;
 
   // For this package's own reports and pictures.
   /// Nothing where no robot is filtered out.
-  [[nodiscard]] const BodySampler* body() const;
-  [[nodiscard]] const Mapper& mapper() const;
+  [[nodiscard]] const BodySampler* body(std::size_t sensor = 0) const;
+  [[nodiscard]] const Mapper& mapper(std::size_t sensor = 0) const;
   /// The last scan that was assembled, also where the mapper dropped it.
-  [[nodiscard]] const AssembledScan& assembled() const;
+  [[nodiscard]] const AssembledScan& assembled(std::size_t sensor = 0) const;
   /// The points of the last scan.
-  [[nodiscard]] const ScanReturns& returns() const;
+  [[nodiscard]] const ScanReturns& returns(std::size_t sensor = 0) const;
 
  private:
+  struct Stages;
   struct Parts;
   std::unique_ptr<Parts> parts_;
 };

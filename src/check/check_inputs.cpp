@@ -40,27 +40,22 @@ void CheckInputs::Config::describe(ParameterTable& table) {
   table.add("transform_future_max_s", &transform_future_max_s, "s", {0.0, 10.0},
             "the root's pose may lead it by this: many publishers date ahead");
   agreement.describe(table);
-  table.add("sensors", &sensors,
-            "names of the sensors, each with a map of its own in a namespace of that name; empty: "
-            "one without a name");
-  table.add("dispensable_sensors", &dispensable_sensors,
-            "those of them that may fail: what they alone saw grows old by place");
+  table.addList(
+      "sensors", sensors,
+      "each with a map of its own, in a namespace of its name; empty: one without a name");
 }
 
 void CheckInputs::Config::validate() const {
-  for (auto name = sensors.begin(); name != sensors.end(); ++name) {
-    if (name->empty()) throw ConfigError("sensors: a name is empty");
-    if (std::find(std::next(name), sensors.end(), *name) != sensors.end()) {
-      throw ConfigError("sensors: '" + *name + "' is named twice");
-    }
+  for (auto sensor = sensors.begin(); sensor != sensors.end(); ++sensor) {
+    if (sensor->name.empty()) throw ConfigError("sensors: one has no name");
+    const bool again = std::any_of(std::next(sensor), sensors.end(),
+                                   [&](const auto& other) { return other.name == sensor->name; });
+    if (again) throw ConfigError("sensors: '" + sensor->name + "' is named twice");
   }
-  for (const std::string& name : dispensable_sensors) {
-    if (std::find(sensors.begin(), sensors.end(), name) == sensors.end()) {
-      throw ConfigError("dispensable_sensors: '" + name + "' is none of the sensors");
-    }
-  }
-  if (!sensors.empty() && dispensable_sensors.size() >= sensors.size()) {
-    throw ConfigError("dispensable_sensors: one sensor at least has to be indispensable");
+  const bool one_is_required = std::any_of(sensors.begin(), sensors.end(),
+                                           [](const auto& sensor) { return sensor.required; });
+  if (!sensors.empty() && !one_is_required) {
+    throw ConfigError("sensors: one at least has to be required");
   }
 }
 
@@ -71,15 +66,8 @@ CheckInputs::CheckInputs(std::shared_ptr<const RobotModel> model, const Config& 
       agreement_(model_, config.agreement),
       roots_(model_->roots().size()),
       T_fixed_roots_(model_->roots().size(), Pose::Identity()) {
-  for (const std::string& name : config_.sensors) {
-    sensors_.emplace_back(name);
-    const auto& others = config_.dispensable_sensors;
-    dispensable_.push_back(std::find(others.begin(), others.end(), name) != others.end());
-  }
-  if (sensors_.empty()) {
-    sensors_.emplace_back("");
-    dispensable_.push_back(false);
-  }
+  for (const SensorInput::Config& sensor : config_.sensors) sensors_.emplace_back(sensor);
+  if (sensors_.empty()) sensors_.emplace_back(SensorInput::Config());
   outs_.resize(sensors_.size());
   sources_.resize(sensors_.size());
 }
@@ -234,8 +222,11 @@ void CheckInputs::appendSensorCauses(Time now, std::vector<Cause>& causes) {
                                       "' are not those of the others: set area_*, height_* and "
                                       "cell_size_m of all mappers alike");
     }
-    if (!dispensable_[i]) causes.insert(causes.end(), sensor_causes_.begin(), sensor_causes_.end());
-    outs_[i] = dispensable_[i] && !sensor_causes_.empty() ? sensor_causes_.front().detail : "";
+    if (sensors_[i].required()) {
+      causes.insert(causes.end(), sensor_causes_.begin(), sensor_causes_.end());
+    } else {
+      outs_[i] = sensor_causes_.empty() ? "" : sensor_causes_.front().detail;
+    }
   }
   findMaps(now);
 }

@@ -21,9 +21,8 @@ namespace tccm {
 class CheckInputs {
  public:
   struct Config : SensorInput::Limits {
-    std::string fixed_frame = "?";  ///< for what is told to people
-    std::vector<std::string> sensors;
-    std::vector<std::string> dispensable_sensors;
+    std::string fixed_frame = "?";             ///< for what is told to people
+    std::vector<SensorInput::Config> sensors;  ///< none: one without a name
     JointStates::Config joints;
     ModelAgreement::Config agreement;
     double joint_timeout_s = 0.1;
@@ -105,7 +104,6 @@ class CheckInputs {
   std::vector<std::optional<RootPose>> roots_;  ///< by the model's roots
   std::vector<Pose> T_fixed_roots_;
   std::vector<SensorInput> sensors_;
-  std::vector<bool> dispensable_;            ///< by sensor
   std::vector<std::string> outs_;            ///< by sensor
   std::vector<SensorMaps::Source> sources_;  ///< by sensor
   SensorMaps maps_;

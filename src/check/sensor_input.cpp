@@ -31,6 +31,12 @@ Reason reasonOf(const std::string& dropped) {
 
 }  // namespace
 
+void SensorInput::Config::describe(ParameterTable& table) {
+  table.add("name", &name, "of the namespace that its assembler and mapper are in");
+  table.add("required", &required,
+            "false: the robot may go on where it fails; what it alone saw grows old by place");
+}
+
 void SensorInput::Limits::describe(ParameterTable& table) {
   table.add("scan_timeout_periods", &scan_timeout_periods, "periods", {1.0, 100.0},
             "without a new map, in measured scan periods");
@@ -142,7 +148,7 @@ Cause SensorInput::mapCause(const Question& question) const {
 void SensorInput::append(const Cause& cause, std::vector<Cause>& causes) const {
   if (cause.reason == Reason::kClear) return;
   causes.push_back(cause);
-  if (!name_.empty()) causes.back().detail = "sensor '" + name_ + "': " + cause.detail;
+  if (!name().empty()) causes.back().detail = "sensor '" + name() + "': " + cause.detail;
 }
 
 void SensorInput::appendCauses(const Question& question, std::vector<Cause>& causes) const {

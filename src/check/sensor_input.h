@@ -15,6 +15,12 @@ namespace tccm {
 /// missing, late or unknown.
 class SensorInput {
  public:
+  struct Config {
+    std::string name;  ///< for what is told to people; empty where there is one sensor alone
+    bool required = true;
+
+    void describe(ParameterTable& table);
+  };
   struct Limits {
     double scan_timeout_periods = 3.0;
     double map_age_max_s = 0.5;
@@ -31,14 +37,14 @@ class SensorInput {
     bool joints_known;  ///< scans do not wait for them
   };
 
-  /// @param name for what is told to people; empty where there is one sensor alone.
-  explicit SensorInput(std::string name) : name_(std::move(name)) {}
+  explicit SensorInput(Config config) : config_(std::move(config)) {}
 
   void addScanReport(Time now, const ScanReport& report);
   void setMap(Time now, std::shared_ptr<const CuboidMap> map, const Limits& limits);
   void reset();
 
-  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const std::string& name() const { return config_.name; }
+  [[nodiscard]] bool required() const { return config_.required; }
   [[nodiscard]] const std::shared_ptr<const CuboidMap>& map() const { return map_; }
   /// Appends what is missing, late, unknown or cannot be; nothing where all is well.
   void appendCauses(const Question& question, std::vector<Cause>& causes) const;
@@ -51,7 +57,7 @@ class SensorInput {
   [[nodiscard]] bool scansCome(const Question& question) const;
   void append(const Cause& cause, std::vector<Cause>& causes) const;
 
-  std::string name_;
+  Config config_;
   std::shared_ptr<const CuboidMap> map_;
   Time map_arrival_;
   std::optional<double> scan_period_s_;  ///< the mean of the recent ones

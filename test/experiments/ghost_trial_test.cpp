@@ -26,7 +26,7 @@ TEST(GhostTrialTest, AHandThatLeftBehindTheArmIsHeldAndGoneTwoTiltsAfterItsPlace
 
 TEST(GhostTrialTest, WithoutHoldingNothingIsHeld) {
   GhostTrial::Config config = shipped();
-  config.monitor.mapper.hold.longest_s = 0.0;
+  config.monitor.sensors.front().mapper.hold.longest_s = 0.0;
   const GhostTrial::Result result = GhostTrial(config, dualArm(), 1).run();
   EXPECT_GT(result.seen_max, 20U);
   EXPECT_EQ(result.held_max, 0U);

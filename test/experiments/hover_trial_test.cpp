@@ -31,7 +31,7 @@ TEST(HoverTrialTest, AHandStopsBeforeWhatItHides) {
 
 TEST(HoverTrialTest, WithoutHoldingWhatIsHiddenSomeAreTouched) {
   HoverTrial::Config config = shipped();
-  config.monitor.mapper.hold.longest_s = 0.0;
+  config.monitor.sensors.front().mapper.hold.longest_s = 0.0;
   int touched = 0;
   for (const std::uint64_t seed : kHidden) {
     const HoverTrial::Result result = HoverTrial(config, dualArm(), seed).run();

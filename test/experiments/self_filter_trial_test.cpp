@@ -17,7 +17,7 @@ SelfFilterTrial::Config halfAMinute() {
   config.simulator.wander_length_m = 8.0;
   config.simulator.body_error = {BodyError::Kind::kThicker, 0.005};
   config.duration_s = 30.0;
-  config.monitor.mapper.map.grid.height_min_m = 0.1;
+  config.monitor.sensors.front().mapper.map.grid.height_min_m = 0.1;
   return config;
 }
 
@@ -44,7 +44,7 @@ TEST(SelfFilterTrialTest, WithTheDefaultsNoOwnPointIsMappedAndNothingIsTouched) 
 TEST(SelfFilterTrialTest, WithoutTheSelfFilterTheRobotTouchesItself) {
   SelfFilterTrial::Config config = halfAMinute();
   config.duration_s = 20.0;
-  config.monitor.scan.self_filter = false;
+  config.monitor.sensors.front().scan.self_filter = false;
   const SelfFilterTally tally = run(config);
   EXPECT_EQ(SelfFilterLimits().missed(tally),
             (std::vector<std::string>{"own_points", "contacts_with_body"}));
@@ -53,8 +53,8 @@ TEST(SelfFilterTrialTest, WithoutTheSelfFilterTheRobotTouchesItself) {
 TEST(SelfFilterTrialTest, With10MmOfPaddingAloneNoisePutsTheBodyIntoTheMap) {
   SelfFilterTrial::Config config = halfAMinute();
   config.duration_s = 20.0;
-  config.monitor.scan.body.filtered.expansion.padding_m = 0.01;
-  config.monitor.scan.assembler.body.range_tolerance_m = 0.0;
+  config.monitor.sensors.front().scan.body.filtered.expansion.padding_m = 0.01;
+  config.monitor.sensors.front().scan.assembler.body.range_tolerance_m = 0.0;
   const SelfFilterTally tally = run(config);
   EXPECT_GT(tally.of(BeamSource::kOwn).mapped(), 100U);
   EXPECT_GT(tally.contacts_with_body, 0U);
@@ -63,8 +63,8 @@ TEST(SelfFilterTrialTest, With10MmOfPaddingAloneNoisePutsTheBodyIntoTheMap) {
 TEST(SelfFilterTrialTest, ADeepShadowAndAWideGrazingRadiusCostMoreOfTheSceneThanAllowed) {
   SelfFilterTrial::Config config = halfAMinute();
   config.duration_s = 20.0;
-  config.monitor.scan.assembler.body.shadow_depth_m = 100.0;
-  config.monitor.scan.assembler.body.grazing_m = 0.04;
+  config.monitor.sensors.front().scan.assembler.body.shadow_depth_m = 100.0;
+  config.monitor.sensors.front().scan.assembler.body.grazing_m = 0.04;
   const std::vector<std::string> missed = SelfFilterLimits().missed(run(config));
   EXPECT_EQ(missed, std::vector<std::string>{"scene_removed"});
 }

@@ -11,7 +11,7 @@ namespace {
 
 Monitor::Config atATable() {
   Monitor::Config config;
-  config.mapper.map.grid.height_min_m = 0.1;
+  config.sensors.front().mapper.map.grid.height_min_m = 0.1;
   config.checker.evidence.unseen_fraction_max = 1.0;  // arms that slow down meet no pole
   return config;
 }

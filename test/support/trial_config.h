@@ -9,7 +9,7 @@ namespace tccm::test {
 template <typename Trial>
 [[nodiscard]] typename Trial::Config trialConfig() {
   typename Trial::Config config;
-  config.monitor.mapper.map.grid.height_min_m = 0.1;
+  config.monitor.sensors.front().mapper.map.grid.height_min_m = 0.1;
   return config;
 }
 
