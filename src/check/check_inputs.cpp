@@ -1,6 +1,7 @@
 #include "check/check_inputs.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/duration_text.h"
 #include "tccm_monitor/config_error.h"
@@ -105,7 +106,9 @@ void CheckInputs::addScanReport(Time now, const ScanReport& report, std::size_t 
 
 void CheckInputs::setMap(Time now, std::shared_ptr<const CuboidMap> map, std::size_t sensor) {
   sensors_[sensor].setMap(now, std::move(map), config_);
-  findMaps(now);
+  maps_changed_ = true;
+  // What a verdict says of several sensors' cuboids counts them as they were at that check.
+  if (sensors_.size() == 1) unite(now);
 }
 
 bool CheckInputs::fits(std::size_t sensor) const {
@@ -114,11 +117,11 @@ bool CheckInputs::fits(std::size_t sensor) const {
   return !sensors_[sensor].map() || SensorMaps::fit(*first->map(), *sensors_[sensor].map());
 }
 
-void CheckInputs::findMaps(Time now) {
+void CheckInputs::unite(Time now) {
   for (std::size_t i = 0; i < sensors_.size(); ++i) {
     sources_[i] = {fits(i) ? sensors_[i].map() : nullptr, !outs_[i].empty()};
   }
-  maps_.unite(now, sources_);
+  maps_.unite(now, sources_, std::exchange(maps_changed_, false));
 }
 
 void CheckInputs::reset() {
@@ -228,7 +231,6 @@ void CheckInputs::appendSensorCauses(Time now, std::vector<Cause>& causes) {
       outs_[i] = sensor_causes_.empty() ? "" : sensor_causes_.front().detail;
     }
   }
-  findMaps(now);
 }
 
 void CheckInputs::appendCauses(Time now, std::vector<Cause>& causes) {
@@ -241,6 +243,7 @@ void CheckInputs::appendCauses(Time now, std::vector<Cause>& causes) {
 Cause CheckInputs::worst(Time now) {
   std::vector<Cause> causes;
   appendCauses(now, causes);
+  if (!maps_.all()) unite(now);
   const auto worst = std::max_element(
       causes.begin(), causes.end(), [](const auto& a, const auto& b) { return b.isWorseThan(a); });
   return worst == causes.end() ? Cause() : *worst;

@@ -57,6 +57,8 @@ class CheckInputs {
 
   /// Appends what is missing, late or unknown; nothing where all is there.
   void appendCauses(Time now, std::vector<Cause>& causes);
+  /// Of several sensors, puts their maps together: for the check that follows.
+  void unite(Time now);
   /// The worst of them; kClear where there is none.
   [[nodiscard]] Cause worst(Time now);
   /// Whether the robot can be placed: joints and roots are known and fresh.
@@ -71,7 +73,7 @@ class CheckInputs {
   [[nodiscard]] bool rootsKnown() const;
   /// Whether a root moves against the fixed frame, as a mobile base does.
   [[nodiscard]] bool rootsMove() const;
-  /// Of all sensors, as the last appendCauses() found them; nothing where none has one.
+  /// Of all sensors, as the last unite() found them; nothing where none has one.
   [[nodiscard]] const CuboidMap* map() const { return maps_.all(); }
   /// @pre there is one
   [[nodiscard]] Surroundings around() const { return {*maps_.all(), maps_.each()}; }
@@ -94,7 +96,6 @@ class CheckInputs {
   void appendSensorCauses(Time now, std::vector<Cause>& causes);
   /// Whether its map covers what those of the others do.
   [[nodiscard]] bool fits(std::size_t sensor) const;
-  void findMaps(Time now);
   [[nodiscard]] bool within(Time now, double seconds) const;
 
   std::shared_ptr<const RobotModel> model_;
@@ -107,6 +108,7 @@ class CheckInputs {
   std::vector<std::string> outs_;            ///< by sensor
   std::vector<SensorMaps::Source> sources_;  ///< by sensor
   SensorMaps maps_;
+  bool maps_changed_ = false;
   std::vector<Cause> sensor_causes_;  ///< of one, reused
   std::optional<Time> started_;       ///< the first check
   std::size_t future_joints_ = 0;

@@ -106,15 +106,16 @@ const Verdict& Checker::Parts::check(Time now) {
   if (started) now = std::max(now, verdict.stamp);
   started = true;
   if (exemptions.expire(now)) exempt();
+  findings.causes.clear();
+  findings.touching = {};
+  inputs.appendCauses(now, findings.causes);
+  inputs.unite(now);
   const JointSnapshot* joints = inputs.joints();
   const CuboidMap* map = inputs.map();
   verdict.stamp = now;
   verdict.joints_stamp = joints ? joints->oldest : Time();
   verdict.serial = map ? map->serial : 0;
-  findings.causes.clear();
-  findings.touching = {};
   findings.window = map ? map->window : Duration::zero();
-  inputs.appendCauses(now, findings.causes);
   if (clock_steps.goesToAndFro())
     findings.causes.emplace_back(Reason::kNoClock, clock_steps.text());
   verdict.known = findings.known = findings.causes.empty();

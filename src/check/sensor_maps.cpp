@@ -20,7 +20,7 @@ void SensorMaps::clear() {
   all_ = nullptr;
 }
 
-void SensorMaps::unite(Time now, const std::vector<Source>& sources) {
+void SensorMaps::unite(Time now, const std::vector<Source>& sources, bool maps_changed) {
   if (sources.size() == 1) {
     each_.clear();
     all_ = sources.front().map.get();
@@ -32,7 +32,7 @@ void SensorMaps::unite(Time now, const std::vector<Source>& sources) {
     return source.map && !(source.is_out && now - source.map->stamp > source.map->hold);
   };
   std::size_t in = 0;
-  bool changed = false;
+  bool changed = maps_changed;
   for (const Source& source : sources) {
     if (!counts(source)) continue;
     changed = changed || in >= sources_.size() || !isSame(source, sources_[in]);

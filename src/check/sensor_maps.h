@@ -20,8 +20,9 @@ class SensorMaps {
     bool is_out = false;                   ///< nothing that is to be relied on comes any more
   };
 
-  /// @param sources one for each sensor, always of the same number.
-  void unite(Time now, const std::vector<Source>& sources);
+  /// @param sources one for each sensor, always of the same number. @param maps_changed false:
+  /// they are those of the last call.
+  void unite(Time now, const std::vector<Source>& sources, bool maps_changed);
   void clear();
 
   /// Nothing where no sensor has a map. Serials rise with each change.

@@ -32,8 +32,8 @@ class Attachments {
     publish();  // an empty hand: what was held before this node started is not known any more
   }
 
-  /// A map came in. @param took stamp of the list that it takes into account.
-  /// @param since the oldest scan in it.
+  /// A map came in. @param took stamp of the list that all sensors' maps take into account.
+  /// @param since the oldest scan in any of them.
   void mapCame(const ros::Time& took, const ros::Time& since) {
     if (!pending_.empty() && took == list_.header.stamp) settle();
     if (since >= let_go_) let_go_ = ros::Time();

@@ -22,8 +22,7 @@ namespace {
 
 constexpr double kClockStallMax = 0.5;  // [s] of wall time; recordings' clocks come in bursts
 constexpr double kLatencyMax = 0.2;  // [s] by which margins grow; a slower machine is late anyway
-constexpr std::size_t kDropReasonsMax = 20;  // the assembler has fewer; others may publish as well
-constexpr double kLatencyForgotten = 0.99;   // kept of the longest latency at each new map
+constexpr double kLatencyForgotten = 0.99;  // kept of the longest latency at each new map
 
 /// @param report reused: nothing is allocated after a while.
 void fromMessage(const tccm_monitor::ScanReport& message, ScanReport& report) {
@@ -69,8 +68,7 @@ void CollisionChecker::setUp() {
   checked_map_publisher_ = advertise<tccm_monitor::CuboidMap>(node(), "checked_map", 2);
   const CheckInputs::Config& limits = config_.checker.inputs;
   joints_rate_ = watch("joint_states", limits.joint_timeout_s, limits.future_max_s);
-  scan_rate_ = watch("scan", limits.map_age_max_s, limits.future_max_s);
-  map_rate_ = watch("cuboid_map", limits.map_age_max_s, limits.future_max_s);
+  makeFeeds();
   attachments_ = std::make_unique<Attachments>(node(), config_, *checker_);
   services_ = {serve(node(), "check_state", &CollisionChecker::checkState, this),
                serve(node(), "check_trajectory", &CollisionChecker::checkTrajectory, this),
@@ -78,8 +76,7 @@ void CollisionChecker::setUp() {
                serve(node(), "reset", &CollisionChecker::reset, this)};
   tuning_ = std::make_unique<Tuning>(privateNode(), config_, *checker_);
   inputs_ = hearTransforms(node(), *transforms_, [this] { receiveTransforms(); });
-  inputs_.push_back(hear("cuboid_map", 10, &CollisionChecker::receiveMap));
-  inputs_.push_back(hear("scan_report", 50, &CollisionChecker::receiveReport));
+  for (SensorFeed& feed : feeds_) feed.begin(node());
   inputs_.push_back(hear("joint_states", 200, &CollisionChecker::receiveJoints));
   inputs_.push_back(hear("trajectory", 20, &CollisionChecker::receiveTrajectory));
   publish_timer_ = timer(1.0 / config_.publish_rate_hz, [this] {
@@ -92,43 +89,49 @@ void CollisionChecker::setUp() {
   picture_timer_ = timer(1.0 / config_.marker_rate_hz, [this] { publishPictures(); });
 }
 
-void CollisionChecker::receiveMap(const tccm_monitor::CuboidMap::ConstPtr& message) {
-  map_defect_ = tccm::fromMessage(*message, *spare_map_);
-  if (map_defect_.empty() &&
-      withoutSlash(message->header.frame_id) != withoutSlash(config_.fixed_frame)) {
-    map_defect_ = "its frame is '" + message->header.frame_id + "', fixed_frame is '" +
-                  config_.fixed_frame + "'";
+void CollisionChecker::makeFeeds() {
+  const CheckInputs::Config& limits = config_.checker.inputs;
+  const auto watched = [&](const std::string& topic) {
+    return watch(topic, limits.map_age_max_s, limits.future_max_s);
+  };
+  const SensorFeed::Takers takers{
+      [this](SensorFeed& feed) { receiveMap(feed); },
+      [this](const SensorFeed& feed, const tccm_monitor::ScanReport& report) {
+        receiveReport(feed, report);
+      }};
+  for (const SensorInput& sensor : checker_->inputs().sensors()) {
+    feeds_.emplace_back(feeds_.size(), sensor.name(), withoutSlash(config_.fixed_frame), takers,
+                        watched);
   }
-  if (!map_defect_.empty()) {
-    ++maps_dropped_;
-    NODELET_ERROR_THROTTLE(5.0, "A cuboid_map was dropped: %s.", map_defect_.c_str());
-    return;
-  }
-  map_.swap(spare_map_);
-  map_message_ = message;
-  map_rate_->tick(message->header.stamp);
-  checker_->setMap(toTime(ros::Time::now()), map_);
-  attachments_->mapCame(message->attached_stamp,
-                        toRos(toTime(message->header.stamp) - Duration(message->window.toNSec())));
+}
+
+void CollisionChecker::receiveMap(const SensorFeed& feed) {
+  checker_->setMap(toTime(ros::Time::now()), feed.map(), feed.sensor());
+  tellAttachments();
   check();
   publishPermission();
-  noteLatency();
+  noteLatency(feed);
 }
 
-void CollisionChecker::receiveReport(const tccm_monitor::ScanReport::ConstPtr& message) {
-  fromMessage(*message, report_);
-  if (report_.outcome == ScanReport::Outcome::kWaiting) {
-    scan_rate_->tick(message->header.stamp);
-    checker_->agreement().watchSensor(withoutSlash(message->header.frame_id));
+/// What all sensors' maps have taken into account.
+void CollisionChecker::tellAttachments() {
+  ros::Time took = ros::TIME_MAX, since = ros::TIME_MAX;
+  for (const SensorFeed& feed : feeds_) {
+    if (!feed.message()) return;
+    const tccm_monitor::CuboidMap& map = *feed.message();
+    took = std::min(took, map.attached_stamp);
+    since = std::min(since, toRos(toTime(map.header.stamp) - Duration(map.window.toNSec())));
   }
-  if (report_.outcome == ScanReport::Outcome::kDropped) countDrop(report_.dropped);
-  if (report_.outcome == ScanReport::Outcome::kAssembled) assembled_ = *message;
-  checker_->addScanReport(toTime(ros::Time::now()), report_);
+  attachments_->mapCame(took, since);
 }
 
-void CollisionChecker::countDrop(const std::string& reason) {
-  const bool known = scans_dropped_.count(reason) > 0 || scans_dropped_.size() < kDropReasonsMax;
-  ++scans_dropped_[known ? reason : "other"];
+void CollisionChecker::receiveReport(const SensorFeed& feed,
+                                     const tccm_monitor::ScanReport& message) {
+  fromMessage(message, report_);
+  if (report_.outcome == ScanReport::Outcome::kWaiting) {
+    checker_->agreement().watchSensor(withoutSlash(message.header.frame_id));
+  }
+  checker_->addScanReport(toTime(ros::Time::now()), report_, feed.sensor());
 }
 
 void CollisionChecker::receiveJoints(
@@ -223,11 +226,12 @@ void CollisionChecker::checkNow(const ros::Time& now) {
   }
 }
 
-void CollisionChecker::noteLatency() {
-  if (!checker_->map() || toTime(assembled_.header.stamp) != checker_->map()->stamp) return;
-  latencies_.transform_wait_s = static_cast<double>(assembled_.transform_wait_s);
+void CollisionChecker::noteLatency(const SensorFeed& feed) {
+  const tccm_monitor::ScanReport& assembled = feed.assembled();
+  if (toTime(assembled.header.stamp) != feed.map()->stamp) return;
+  latencies_.transform_wait_s = static_cast<double>(assembled.transform_wait_s);
   latencies_.ready_to_verdict_s =
-      (ros::WallTime::now() - ros::WallTime(assembled_.ready_wall.sec, assembled_.ready_wall.nsec))
+      (ros::WallTime::now() - ros::WallTime(assembled.ready_wall.sec, assembled.ready_wall.nsec))
           .toSec();
   latencies_.longest_s = std::min(kLatencyMax, std::max(kLatencyForgotten * latencies_.longest_s,
                                                         latencies_.ready_to_verdict_s));
@@ -310,9 +314,13 @@ void CollisionChecker::publishPictures() {
 }
 
 void CollisionChecker::publishCheckedMap() {
-  if (checked_map_publisher_.getNumSubscribers() == 0 || !map_message_ || !verdict_->placed) return;
-  if (map_message_->serial != verdict_->serial) return;  // its cuboids are numbered otherwise
-  tccm_monitor::CuboidMap map = *map_message_;
+  if (checked_map_publisher_.getNumSubscribers() == 0 || !verdict_->placed) return;
+  // Of another map the cuboids are numbered otherwise.
+  if (!checker_->map() || checker_->map()->serial != verdict_->serial) return;
+  tccm_monitor::CuboidMap map;
+  toMessage(*checker_->map(), withoutSlash(config_.fixed_frame), map);
+  map.attached_stamp =
+      feeds_.front().message() ? feeds_.front().message()->attached_stamp : ros::Time();
   for (const auto& [cuboid, col] : flaggedBy(*verdict_)) {
     std::uint8_t& known = map.cuboids[cuboid].col;
     if (known != tccm_monitor::Cuboid::COLLISION) known = col;  // of both, the graver
@@ -349,9 +357,11 @@ void CollisionChecker::diagnose(diagnostic_updater::DiagnosticStatusWrapper& sta
   status.add("joint states dropped: stamped in the future", checker_->inputs().futureJoints());
   const std::string& limit = checker_->inputs().jointStates().limitDefect();
   if (!limit.empty()) status.add("first joint beyond its limit", limit);
-  status.add("cuboid_maps dropped", maps_dropped_);
-  if (!map_defect_.empty()) status.add("last cuboid_map dropped", map_defect_);
-  for (const auto& [reason, count] : scans_dropped_) status.add("scans dropped: " + reason, count);
+  for (const SensorFeed& feed : feeds_) feed.diagnose(status);
+  for (std::size_t i = 0; i < feeds_.size(); ++i) {
+    const std::string& out = checker_->inputs().outText(i);
+    if (!out.empty()) status.add("sensor that failed, not required", out);
+  }
   status.add("exemptions", checker_->exemptions().size());
   if (!transforms_->defect().empty()) status.add("tf", transforms_->defect());
   diagnoseAgreement(status);

@@ -11,7 +11,7 @@
 #include <trajectory_msgs/JointTrajectory.h>
 
 #include <cmath>
-#include <map>
+#include <list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,6 +19,7 @@
 
 #include "nodelets/attachments.h"
 #include "nodelets/diagnosed_nodelet.h"
+#include "nodelets/sensor_feed.h"
 #include "nodelets/tuning.h"
 #include "ros/transform_history.h"
 
@@ -28,7 +29,7 @@ using tccm_monitor::AddExemption;
 using tccm_monitor::CheckState;
 using tccm_monitor::CheckTrajectory;
 
-/// Nodelet: `cuboid_map`, `scan_report`, `joint_states`, `trajectory` and tf in;
+/// Nodelet: `cuboid_map` and `scan_report` of each sensor, `joint_states`, `trajectory` and tf in;
 /// `motion_permission`, flags and `monitor_status` out, from a timer whatever comes in, and at once
 /// with each new map and when it gets worse.
 class CollisionChecker : public DiagnosedNodelet {
@@ -48,9 +49,10 @@ class CollisionChecker : public DiagnosedNodelet {
   void setUp() override;
   /// Tells what is not compared with tf, as often as that becomes more.
   void nowAndThen() override;
-  void receiveMap(const tccm_monitor::CuboidMap::ConstPtr& message);
-  void receiveReport(const tccm_monitor::ScanReport::ConstPtr& message);
-  void countDrop(const std::string& reason);
+  void makeFeeds();
+  void receiveMap(const SensorFeed& feed);
+  void tellAttachments();
+  void receiveReport(const SensorFeed& feed, const tccm_monitor::ScanReport& message);
   void receiveJoints(const ros::MessageEvent<sensor_msgs::JointState const>& event);
   void receiveTrajectory(const trajectory_msgs::JointTrajectory::ConstPtr& message);
   void receiveTransforms();
@@ -70,7 +72,7 @@ class CollisionChecker : public DiagnosedNodelet {
   bool reset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   /// What the core cannot know.
   [[nodiscard]] Cause outsideCause() const;
-  void noteLatency();
+  void noteLatency(const SensorFeed& feed);
   /// What controllers obey. A permission is dated now, whatever the verdict's age.
   void publishPermission();
   void publish();
@@ -90,15 +92,8 @@ class CollisionChecker : public DiagnosedNodelet {
   std::unique_ptr<TransformHistory> transforms_;
   Verdict fault_;                     ///< stands in where no check could be made
   const Verdict* verdict_ = &fault_;  ///< the last
-  /// The newest, which the checker holds, and one to be filled.
-  std::shared_ptr<CuboidMap> map_ = std::make_shared<CuboidMap>();
-  std::shared_ptr<CuboidMap> spare_map_ = std::make_shared<CuboidMap>();
-  tccm_monitor::CuboidMap::ConstPtr map_message_;  ///< of the newest map
-  std::size_t maps_dropped_ = 0;
-  std::string map_defect_;
-  ScanReport report_;                   ///< the newest, reused
-  tccm_monitor::ScanReport assembled_;  ///< the newest report of a scan that was assembled
-  std::map<std::string, std::size_t> scans_dropped_;
+  std::list<SensorFeed> feeds_;       ///< in the sensors' order; they stay where they are
+  ScanReport report_;                 ///< the newest, reused
   ros::Publisher permission_publisher_, stop_publisher_, collision_publisher_, occlusion_publisher_,
       scale_publisher_, status_publisher_;
   ros::Publisher marker_publisher_, image_publisher_, checked_map_publisher_;
@@ -106,7 +101,7 @@ class CollisionChecker : public DiagnosedNodelet {
   std::vector<ros::ServiceServer> services_;
   std::vector<ros::Subscriber> inputs_;
   ros::WallTimer publish_timer_, picture_timer_;
-  std::unique_ptr<diagnostic_updater::TopicDiagnostic> map_rate_, joints_rate_, scan_rate_;
+  std::unique_ptr<diagnostic_updater::TopicDiagnostic> joints_rate_;
   std::uint32_t seen_serial_ = 0;
   Latencies latencies_;
   double check_us_ = 0.0;
