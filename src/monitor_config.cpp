@@ -74,7 +74,7 @@ void TopicConfig::describe(ParameterTable& table) {
 }
 
 void SensorConfig::describe(ParameterTable& table) {
-  table.add("scan", &scan, "where the offline programs find its sensor_msgs/LaserScan in a bag");
+  table.add("topic", &topic, "of its scans (sensor_msgs/LaserScan)");
 }
 
 std::vector<SensorConfig> MonitorConfig::sensors() const {
@@ -114,6 +114,7 @@ SensorConfig readSensor(YAML::Node section, const std::string& name) {
   section.remove("tilt_scan_assembler");
   section.remove("tccm_mapper");
   loadAll(section, name, sensor);
+  if (sensor.topic.empty()) throw ConfigError(name + "/topic: it is not set");
   return sensor;
 }
 

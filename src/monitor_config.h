@@ -74,7 +74,7 @@ struct TopicConfig {
 /// What belongs to one sensor: a section of the file that has its name, and a namespace.
 struct SensorConfig {
   std::string name;            ///< empty: it is the only one, and its sections stand at the top
-  std::string scan = "/scan";  ///< topic
+  std::string topic;  ///< of its scans
   AssemblerConfig assembler;
   MapperConfig mapper;
 

@@ -89,7 +89,13 @@ void requireSoundFile(const ros::NodeHandle& node) {
 std::shared_ptr<const RobotModel> sharedRobotModel(const ros::NodeHandle& node) {
   static std::mutex mutex;
   static std::map<std::string, std::weak_ptr<const RobotModel>> models;
-  const ros::NodeHandle section(node, MonitorConfig::kRobotSection);
+  // From the namespace upwards: a sensor's nodelets have one of their own.
+  std::string found;
+  const std::string from = node.getNamespace().empty() ? "/" : node.getNamespace();
+  if (!ros::param::search(from, MonitorConfig::kRobotSection, found)) {
+    found = node.resolveName(MonitorConfig::kRobotSection);
+  }
+  const ros::NodeHandle section(found);
   const auto config = configFrom<RobotModel::Config>(section);
   const std::string urdf = readRobotDescription(node);
   const std::lock_guard<std::mutex> lock(mutex);
