@@ -53,7 +53,7 @@ void openBag(const std::string& path, rosbag::Bag& bag) {
 
 BagStream::BagStream(const std::string& path, const Topics& topics) : path_(path), topics_(topics) {
   openBag(path_, bag_);
-  require(topics_.scan, "scan topic", kScanType, true);
+  for (const std::string& topic : topics_.scans) require(topic, "scan topic", kScanType, true);
   require(topics_.joint_states, "joint states topic", kJointStateType, topics_.joint_states_needed);
 }
 
@@ -86,22 +86,29 @@ std::string BagStream::listOf(const std::string& type) const {
 }
 
 void BagStream::play(const Sink& sink) const {
-  const std::vector<std::string> scan_topics = spellings(topics_.scan);
+  std::vector<std::vector<std::string>> scan_topics;
+  for (const std::string& topic : topics_.scans) scan_topics.push_back(spellings(topic));
   const std::vector<std::string> joint_topics = spellings(topics_.joint_states);
   std::vector<std::string> topics;
-  for (const auto& part : {scan_topics, joint_topics, kMovingTransforms, kStaticTransforms}) {
+  for (const auto& part : {joint_topics, kMovingTransforms, kStaticTransforms}) {
     topics.insert(topics.end(), part.begin(), part.end());
   }
+  for (const auto& part : scan_topics) topics.insert(topics.end(), part.begin(), part.end());
   try {
     rosbag::View view(bag_, rosbag::TopicQuery(topics));
     const double messages = view.size();
     std::size_t played = 0;
     for (const rosbag::MessageInstance& message : view) {
       if (sink.progress) sink.progress(static_cast<double>(played++) / messages);
-      if (isOneOf(message.getTopic(), scan_topics)) {
+      bool is_scan = false;
+      for (std::size_t sensor = 0; sensor < scan_topics.size(); ++sensor) {
+        if (!isOneOf(message.getTopic(), scan_topics[sensor])) continue;
+        is_scan = true;
         const auto scan = message.instantiate<sensor_msgs::LaserScan>();
-        if (scan) sink.scan(*scan, publisherOf(message));
-      } else if (isOneOf(message.getTopic(), joint_topics)) {
+        if (scan) sink.scan(*scan, sensor, publisherOf(message));
+      }
+      if (is_scan) continue;
+      if (isOneOf(message.getTopic(), joint_topics)) {
         const auto joints = message.instantiate<sensor_msgs::JointState>();
         if (joints) sink.joint_states(*joints, publisherOf(message));
       } else {

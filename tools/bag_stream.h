@@ -16,13 +16,15 @@ namespace tccm {
 class BagStream {
  public:
   struct Topics {
-    std::string scan;
+    std::vector<std::string> scans;  ///< by sensor
     std::string joint_states;
     bool joint_states_needed = false;
   };
   /// What takes the messages. The publisher tells streams of stamps apart.
   struct Sink {
-    std::function<void(const sensor_msgs::LaserScan&, const std::string& publisher)> scan;
+    std::function<void(const sensor_msgs::LaserScan&, std::size_t sensor,
+                       const std::string& publisher)>
+        scan;
     std::function<void(const sensor_msgs::JointState&, const std::string& publisher)> joint_states;
     std::function<void(const tf2_msgs::TFMessage&, bool is_static)> transforms;
     std::function<void(double fraction)> progress;  ///< may be empty; from 0 to 1

@@ -89,7 +89,9 @@ struct Dumps {
 
 void play(const BagStream& bag, Evaluation& evaluation) {
   BagStream::Sink sink;
-  sink.scan = [&](const auto& message, const auto& from) { evaluation.add(message, from); };
+  sink.scan = [&](const auto& message, std::size_t sensor, const auto& from) {
+    evaluation.add(message, sensor, from);
+  };
   sink.joint_states = [&](const auto& message, const auto& from) { evaluation.add(message, from); };
   sink.transforms = [&](const auto& message, bool fixed) { evaluation.add(message, fixed); };
   sink.progress = progressBar();
@@ -112,13 +114,16 @@ void requireFixedFrame(const Evaluation& evaluation) {
 int evaluate(Options& options) {
   const MonitorConfig settings = readMonitorConfig(options.config);
   const auto model = readModel(options, settings);
-  const BagStream bag(options.bag,
-                      {settings.topics.scan, settings.topics.joint_states, model != nullptr});
+  BagStream::Topics topics{{}, settings.topics.joint_states, model != nullptr};
+  for (const SensorConfig& sensor : settings.sensors()) topics.scans.push_back(sensor.topic);
+  const BagStream bag(options.bag, topics);
   makeFolder(options.out);
   const Dumps dumps(options);
   Evaluation::Observer observer;
   if (dumps.points) {
-    observer.mapped = [&dumps](const Monitor& monitor) { dumpPoints(monitor, *dumps.points); };
+    observer.mapped = [&dumps](const Monitor& monitor, std::size_t sensor) {
+      if (sensor == 0) dumpPoints(monitor, *dumps.points);
+    };
   }
   if (dumps.verdicts || dumps.visibility) {
     observer.checked = [&dumps](const Verdict& verdict, const Checker& checker) {

@@ -19,25 +19,30 @@ Evaluation::Evaluation(const MonitorConfig& settings, std::shared_ptr<const Robo
                        Observer observer)
     : monitor_(settings.monitor(), std::move(model)),
       observer_(std::move(observer)),
-      fixed_frame_(withoutSlash(settings.assembler.fixed_frame)),
+      fixed_frame_(withoutSlash(settings.checker.fixed_frame)),
       root_frames_(monitor_.hasRobot() ? monitor_.checker().model()->rootFrames()
                                        : std::vector<std::string>()),
-      transforms_(fromSeconds(settings.assembler.transform_gap_max_s)),
-      source_(settings.assembler, monitor_.body() ? root_frames_ : std::vector<std::string>(),
-              transforms_) {
-  source_.onDrop([this](const ScanReport& report) {
-    ++totals_.drop_details[report.dropped][report.detail];
-    if (now_) monitor_.scanDropped(*now_, report);
-  });
+      transforms_(fromSeconds(settings.sensors().front().assembler.transform_gap_max_s)) {
+  for (const SensorConfig& sensor : settings.sensors()) {
+    const std::size_t index = sources_.size();
+    sources_.emplace_back(sensor.assembler,
+                          monitor_.body(index) ? root_frames_ : std::vector<std::string>(),
+                          transforms_);
+    sources_.back().onDrop([this, index](const ScanReport& report) {
+      ++totals_.drop_details[report.dropped][report.detail];
+      if (now_) monitor_.scanDropped(*now_, report, index);
+    });
+  }
 }
 
-void Evaluation::add(const sensor_msgs::LaserScan& message, const std::string& publisher) {
+void Evaluation::add(const sensor_msgs::LaserScan& message, std::size_t sensor,
+                     const std::string& publisher) {
   moveClock(toTime(message.header.stamp), publisher);
   ++totals_.scans_received;
-  monitor_.scanArrived(*now_, toTime(message.header.stamp));
+  monitor_.scanArrived(*now_, toTime(message.header.stamp), sensor);
   const std::string frame = withoutSlash(message.header.frame_id);
   if (monitor_.hasRobot()) monitor_.checker().agreement().watchSensor(frame);
-  source_.add(fromMessage(message), message.header.frame_id, *now_);
+  sources_[sensor].add(fromMessage(message), message.header.frame_id, *now_);
   compareWithModel();
   mapReady();
 }
@@ -66,8 +71,12 @@ void Evaluation::compareWithModel() {
 }
 
 void Evaluation::finish() {
-  source_.drain(filteredJoints());
-  for (const auto& [reason, count] : source_.dropped()) totals_.scans_dropped[reason] += count;
+  for (std::size_t i = 0; i < sources_.size(); ++i) {
+    sources_[i].drain(filteredJoints(i));
+    for (const auto& [reason, count] : sources_[i].dropped()) {
+      totals_.scans_dropped[reason] += count;
+    }
+  }
   totals_.last_stamp = now_;
 }
 
@@ -82,8 +91,10 @@ void Evaluation::moveClock(Time stamp, const std::string& publisher) {
 
 void Evaluation::resetAfterJump() {
   ++totals_.time_jumps;
-  if (source_.waiting() > 0) totals_.scans_dropped["time_jump"] += source_.waiting();
-  source_.clear();
+  for (ScanSource& source : sources_) {
+    if (source.waiting() > 0) totals_.scans_dropped["time_jump"] += source.waiting();
+    source.clear();
+  }
   transforms_.clear();
   monitor_.reset();
   newest_.clear();
@@ -91,15 +102,19 @@ void Evaluation::resetAfterJump() {
   in_a_run_ = false;
 }
 
-const JointStates* Evaluation::filteredJoints() const {
-  return monitor_.body() ? &monitor_.body()->joints() : nullptr;
+const JointStates* Evaluation::filteredJoints(std::size_t sensor) const {
+  return monitor_.body(sensor) ? &monitor_.body(sensor)->joints() : nullptr;
 }
 
 void Evaluation::mapReady() {
-  while (const ScanSource::Ready* ready = source_.next(filteredJoints(), *now_)) {
+  for (std::size_t i = 0; i < sources_.size(); ++i) mapReady(i);
+}
+
+void Evaluation::mapReady(std::size_t sensor) {
+  while (const auto* ready = sources_[sensor].next(filteredJoints(sensor), *now_)) {
     Stopwatch stopwatch;
     const auto outcome =
-        monitor_.addScan(*now_, ready->scan, ready->T_fixed_sensor, ready->T_fixed_roots);
+        monitor_.addScan(*now_, ready->scan, ready->T_fixed_sensor, ready->T_fixed_roots, sensor);
     if (!outcome.dropped.empty()) {
       ++totals_.scans_dropped[outcome.dropped];
       continue;
@@ -108,13 +123,13 @@ void Evaluation::mapReady() {
       check();
       totals_.timings.scan_to_verdict.push_back(stopwatch.lapMicroseconds());
     }
-    count(outcome);
-    if (observer_.mapped) observer_.mapped(monitor_);
+    count(outcome, sensor);
+    if (observer_.mapped) observer_.mapped(monitor_, sensor);
   }
 }
 
-void Evaluation::count(const Monitor::ScanOutcome& outcome) {
-  const CuboidMap& map = *monitor_.map();
+void Evaluation::count(const Monitor::ScanOutcome& outcome, std::size_t sensor) {
+  const CuboidMap& map = *monitor_.map(sensor);
   ++totals_.scans_mapped;
   for (std::size_t kind = 0; kind < kBeamKinds; ++kind) totals_.beams[kind] += outcome.beams[kind];
   totals_.points_mapped += outcome.added.mapped;

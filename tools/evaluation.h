@@ -5,6 +5,7 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include <cstddef>
+#include <deque>
 #include <functional>
 #include <map>
 #include <optional>
@@ -93,9 +94,9 @@ struct Totals {
 /// ahead.
 class Evaluation {
  public:
-  /// Called after each mapped scan and after each check; may be empty.
+  /// Called after each scan that a sensor's map took and after each check; may be empty.
   struct Observer {
-    std::function<void(const Monitor&)> mapped;
+    std::function<void(const Monitor&, std::size_t sensor)> mapped;
     std::function<void(const Verdict&, const Checker&)> checked;
   };
 
@@ -105,7 +106,7 @@ class Evaluation {
              Observer observer);
 
   /// @param publisher whose stamps rise, unless time jumps back.
-  void add(const sensor_msgs::LaserScan& message, const std::string& publisher);
+  void add(const sensor_msgs::LaserScan& message, std::size_t sensor, const std::string& publisher);
   void add(const sensor_msgs::JointState& message, const std::string& publisher);
   void add(const tf2_msgs::TFMessage& message, bool is_static);
   /// After the last message: scans that still wait are dropped.
@@ -131,9 +132,10 @@ class Evaluation {
   void resetAfterJump();
   /// Maps the scans whose transforms have come, and checks after each.
   void mapReady();
+  void mapReady(std::size_t sensor);
   /// Of the robot that is filtered out; nothing where none is.
-  [[nodiscard]] const JointStates* filteredJoints() const;
-  void count(const Monitor::ScanOutcome& outcome);
+  [[nodiscard]] const JointStates* filteredJoints(std::size_t sensor) const;
+  void count(const Monitor::ScanOutcome& outcome, std::size_t sensor);
   void check();
   void noteStop(const Verdict& verdict);
   void noteSight(const Verdict& verdict);
@@ -144,7 +146,7 @@ class Evaluation {
   std::vector<std::string> root_frames_;  ///< none without a robot
   TransformHistory transforms_;
   std::set<std::string> frames_;
-  ScanSource source_;
+  std::deque<ScanSource> sources_;      ///< by sensor
   std::map<std::string, Time> newest_;  ///< by publisher
   std::optional<Time> now_;
   bool stopped_ = false;   ///< by the last check

@@ -199,6 +199,9 @@ EvidenceCheck::Evidence EvidenceCheck::evidenceOf(const Vector3& p_fixed, Time n
     all.old = all.old && evidence.old;
     all.lost = all.lost && evidence.lost;
   }
+  // One may have seen it for the first time, from where it is now.
+  all.old = all.old && !all.known;
+  all.lost = all.lost && !all.known;
   return all;
 }
 
