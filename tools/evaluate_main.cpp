@@ -3,6 +3,7 @@
 #include <iostream>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "bag_stream.h"
 #include "evaluation.h"
@@ -40,9 +41,10 @@ void describe(CLI::App& app, Options& options) {
                  "folder with a robot's packages: package://P/x is DIR/P/x where P is there, and "
                  "is looked for among the ROS packages elsewhere");
   app.add_option("--dump-points", options.dump_points,
-                 "CSV of the points that reached the map: scan,x,y,z");
+                 "CSV of the points that reached the map: scan,x,y,z; of sensors with names one "
+                 "each, FILE.NAME.csv");
   app.add_option("--dump-cuboids", options.dump_cuboids,
-                 "CSV of the map after the last scan: x,y,bottom,top,age_scans,dyn,held");
+                 "CSV of the map after the last scan: x,y,bottom,top,age_scans,dyn,held; likewise");
   app.add_option("--dump-verdicts", options.dump_verdicts,
                  "CSV of all checks: stamp,scan,collision,occlusion,stop,reason,link; the stamp is "
                  "the joint state's, the scan the newest in the map");
@@ -62,26 +64,41 @@ std::shared_ptr<const RobotModel> readModel(const Options& options, const Monito
   return model;
 }
 
+/// Of a named sensor: points.csv becomes points.laser.csv.
+std::string pathFor(const std::string& path, const std::string& sensor) {
+  if (path.empty() || sensor.empty()) return path;
+  std::filesystem::path file(path);
+  return file.replace_extension("." + sensor + file.extension().string()).string();
+}
+
 /// The dumps that were asked for; null where not.
 struct Dumps {
-  std::unique_ptr<CsvFile> points;
-  std::unique_ptr<CsvFile> cuboids;
-  std::unique_ptr<CsvFile> verdicts;
-  std::unique_ptr<CsvFile> visibility;
+  using File = std::unique_ptr<CsvFile>;
+  std::vector<File> points, cuboids;  ///< by sensor
+  File verdicts;
+  File visibility;
 
-  explicit Dumps(const Options& options) {
+  Dumps(const Options& options, const std::vector<SensorConfig>& sensors) {
     const auto open = [](const std::string& path, const char* header) {
       return path.empty() ? nullptr : std::make_unique<CsvFile>(path, header);
     };
-    points = open(options.dump_points, "scan,x,y,z");
-    cuboids = open(options.dump_cuboids, "x,y,bottom,top,age_scans,dyn,held");
+    for (const SensorConfig& sensor : sensors) {
+      points.push_back(open(pathFor(options.dump_points, sensor.name), "scan,x,y,z"));
+      cuboids.push_back(
+          open(pathFor(options.dump_cuboids, sensor.name), "x,y,bottom,top,age_scans,dyn,held"));
+    }
     verdicts = open(options.dump_verdicts, "stamp,scan,collision,occlusion,stop,reason,link");
     visibility = open(options.dump_visibility,
                       "stamp,scan,link,ahead,visible,occluded,unseen,way_unseen,evidence_age_s,"
                       "next_look_s");
   }
   void close() const {
-    for (const auto* file : {&points, &cuboids, &verdicts, &visibility}) {
+    for (const auto* files : {&points, &cuboids}) {
+      for (const File& file : *files) {
+        if (file) file->close();
+      }
+    }
+    for (const File* file : {&verdicts, &visibility}) {
       if (*file) (*file)->close();
     }
   }
@@ -118,13 +135,11 @@ int evaluate(Options& options) {
   for (const SensorConfig& sensor : settings.sensors()) topics.scans.push_back(sensor.topic);
   const BagStream bag(options.bag, topics);
   makeFolder(options.out);
-  const Dumps dumps(options);
+  const Dumps dumps(options, settings.sensors());
   Evaluation::Observer observer;
-  if (dumps.points) {
-    observer.mapped = [&dumps](const Monitor& monitor, std::size_t sensor) {
-      if (sensor == 0) dumpPoints(monitor, *dumps.points);
-    };
-  }
+  observer.mapped = [&dumps](const Monitor& monitor, std::size_t sensor) {
+    if (dumps.points[sensor]) dumpPoints(monitor, sensor, *dumps.points[sensor]);
+  };
   if (dumps.verdicts || dumps.visibility) {
     observer.checked = [&dumps](const Verdict& verdict, const Checker& checker) {
       if (dumps.verdicts) dumpVerdict(verdict, *dumps.verdicts);
@@ -134,8 +149,10 @@ int evaluate(Options& options) {
   Evaluation evaluation(settings, model, observer);
   play(bag, evaluation);
   requireFixedFrame(evaluation);
-  const CuboidMap* map = evaluation.monitor().map();
-  if (dumps.cuboids && map != nullptr) dumpCuboids(*map, *dumps.cuboids);
+  for (std::size_t i = 0; i < dumps.cuboids.size(); ++i) {
+    const CuboidMap* map = evaluation.monitor().map(i);
+    if (dumps.cuboids[i] && map != nullptr) dumpCuboids(*map, *dumps.cuboids[i]);
+  }
   dumps.close();
 
   const auto summary = summaryOf(evaluation, settings);

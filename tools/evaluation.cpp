@@ -28,8 +28,10 @@ Evaluation::Evaluation(const MonitorConfig& settings, std::shared_ptr<const Robo
     sources_.emplace_back(sensor.assembler,
                           monitor_.body(index) ? root_frames_ : std::vector<std::string>(),
                           transforms_);
+    totals_.sensors.emplace_back();
     sources_.back().onDrop([this, index](const ScanReport& report) {
-      ++totals_.drop_details[report.dropped][report.detail];
+      countScans(index,
+                 [&](ScanTotals& totals) { ++totals.drop_details[report.dropped][report.detail]; });
       if (now_) monitor_.scanDropped(*now_, report, index);
     });
   }
@@ -38,7 +40,7 @@ Evaluation::Evaluation(const MonitorConfig& settings, std::shared_ptr<const Robo
 void Evaluation::add(const sensor_msgs::LaserScan& message, std::size_t sensor,
                      const std::string& publisher) {
   moveClock(toTime(message.header.stamp), publisher);
-  ++totals_.scans_received;
+  countScans(sensor, [](ScanTotals& totals) { ++totals.scans_received; });
   monitor_.scanArrived(*now_, toTime(message.header.stamp), sensor);
   const std::string frame = withoutSlash(message.header.frame_id);
   if (monitor_.hasRobot()) monitor_.checker().agreement().watchSensor(frame);
@@ -74,7 +76,7 @@ void Evaluation::finish() {
   for (std::size_t i = 0; i < sources_.size(); ++i) {
     sources_[i].drain(filteredJoints(i));
     for (const auto& [reason, count] : sources_[i].dropped()) {
-      totals_.scans_dropped[reason] += count;
+      countDropped(i, reason, count);
     }
   }
   totals_.last_stamp = now_;
@@ -91,9 +93,9 @@ void Evaluation::moveClock(Time stamp, const std::string& publisher) {
 
 void Evaluation::resetAfterJump() {
   ++totals_.time_jumps;
-  for (ScanSource& source : sources_) {
-    if (source.waiting() > 0) totals_.scans_dropped["time_jump"] += source.waiting();
-    source.clear();
+  for (std::size_t i = 0; i < sources_.size(); ++i) {
+    if (sources_[i].waiting() > 0) countDropped(i, "time_jump", sources_[i].waiting());
+    sources_[i].clear();
   }
   transforms_.clear();
   monitor_.reset();
@@ -116,7 +118,7 @@ void Evaluation::mapReady(std::size_t sensor) {
     const auto outcome =
         monitor_.addScan(*now_, ready->scan, ready->T_fixed_sensor, ready->T_fixed_roots, sensor);
     if (!outcome.dropped.empty()) {
-      ++totals_.scans_dropped[outcome.dropped];
+      countDropped(sensor, outcome.dropped, 1);
       continue;
     }
     if (monitor_.hasRobot()) {
@@ -130,20 +132,26 @@ void Evaluation::mapReady(std::size_t sensor) {
 
 void Evaluation::count(const Monitor::ScanOutcome& outcome, std::size_t sensor) {
   const CuboidMap& map = *monitor_.map(sensor);
-  ++totals_.scans_mapped;
-  for (std::size_t kind = 0; kind < kBeamKinds; ++kind) totals_.beams[kind] += outcome.beams[kind];
-  totals_.points_mapped += outcome.added.mapped;
-  totals_.points_out_of_area += outcome.added.out_of_area;
-  totals_.cuboids_sum += map.cuboids.size();
-  totals_.cuboids_max = std::max(totals_.cuboids_max, map.cuboids.size());
   const std::size_t held = heldIn(map);
+  countScans(sensor, [&](ScanTotals& totals) {
+    ++totals.scans_mapped;
+    for (std::size_t kind = 0; kind < kBeamKinds; ++kind) totals.beams[kind] += outcome.beams[kind];
+    totals.points_mapped += outcome.added.mapped;
+    totals.points_out_of_area += outcome.added.out_of_area;
+    totals.cuboids_sum += map.cuboids.size();
+    totals.cuboids_max = std::max(totals.cuboids_max, map.cuboids.size());
+    totals.overflowed_maps += map.overflowed ? 1 : 0;
+    totals.complete_maps += map.complete ? 1 : 0;
+  });
   totals_.sight.held_sum += held;
   totals_.sight.held_max = std::max(totals_.sight.held_max, held);
-  totals_.overflowed_maps += map.overflowed ? 1 : 0;
-  totals_.complete_maps += map.complete ? 1 : 0;
   totals_.timings.assemble.push_back(outcome.assemble_us);
   totals_.timings.integrate.push_back(outcome.integrate_us);
   totals_.timings.snapshot.push_back(outcome.snapshot_us);
+}
+
+void Evaluation::countDropped(std::size_t sensor, const std::string& reason, std::size_t scans) {
+  countScans(sensor, [&](ScanTotals& totals) { totals.scans_dropped[reason] += scans; });
 }
 
 void Evaluation::check() {

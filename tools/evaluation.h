@@ -55,8 +55,8 @@ struct SightTotals {
   double age_max_s = 0.0;
 };
 
-/// What became of a recording. All but the timings depend on the recording and settings alone.
-struct Totals {
+/// What became of scans.
+struct ScanTotals {
   std::size_t scans_received = 0;
   std::size_t scans_mapped = 0;
   std::map<std::string, std::size_t> scans_dropped;  ///< by reason; none is 0
@@ -71,6 +71,12 @@ struct Totals {
   std::size_t cuboids_max = 0;
   std::size_t overflowed_maps = 0;
   std::size_t complete_maps = 0;
+};
+
+/// What became of a recording: of the scans of all sensors, of those of each, and of the checks.
+/// All but the timings depend on the recording and settings alone.
+struct Totals : ScanTotals {
+  std::vector<ScanTotals> sensors;
 
   std::size_t checks = 0;
   std::size_t checks_unknown = 0;  ///< without a whole map or fresh input
@@ -135,6 +141,13 @@ class Evaluation {
   void mapReady(std::size_t sensor);
   /// Of the robot that is filtered out; nothing where none is.
   [[nodiscard]] const JointStates* filteredJoints(std::size_t sensor) const;
+  /// Does it to what is counted of a sensor, and of all.
+  template <typename Count>
+  void countScans(std::size_t sensor, Count&& count) {
+    count(static_cast<ScanTotals&>(totals_));
+    count(totals_.sensors[sensor]);
+  }
+  void countDropped(std::size_t sensor, const std::string& reason, std::size_t scans);
   void count(const Monitor::ScanOutcome& outcome, std::size_t sensor);
   void check();
   void noteStop(const Verdict& verdict);

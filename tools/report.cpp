@@ -31,7 +31,7 @@ Json percentiles(std::vector<double> values) {
           {"max", tenths(values.back())}};
 }
 
-Json pointsOf(const Totals& totals) {
+Json pointsOf(const ScanTotals& totals) {
   const auto of = [&totals](BeamKind kind) { return totals.beams[static_cast<std::size_t>(kind)]; };
   const std::size_t overflowed =
       of(BeamKind::kReturn) - totals.points_mapped - totals.points_out_of_area;
@@ -46,21 +46,21 @@ Json pointsOf(const Totals& totals) {
       {"overflowed", overflowed}};
 }
 
-Json cuboidsOf(const Totals& totals) {
+Json cuboidsOf(const ScanTotals& totals) {
   if (totals.scans_mapped == 0) return {{"mean", nullptr}, {"max", nullptr}};
   const double mean =
       static_cast<double>(totals.cuboids_sum) / static_cast<double>(totals.scans_mapped);
   return {{"mean", rounded(mean)}, {"max", totals.cuboids_max}};
 }
 
-Json mapOf(const Evaluation& evaluation, const MonitorConfig& settings) {
-  const Totals& totals = evaluation.totals();
-  const IntegrationMap& map = evaluation.monitor().mapper().map();
+Json mapOf(const Evaluation& evaluation, const SensorConfig& settings, std::size_t sensor) {
+  const ScanTotals& totals = evaluation.totals().sensors[sensor];
+  const IntegrationMap& map = evaluation.monitor().mapper(sensor).map();
   const Grid& grid = map.grid();
   const Grid::Config& config = grid.config();
   const Height thickness = grid.heightOf(settings.mapper.mapper.map.thickness_m);
-  const CuboidMap* newest = evaluation.monitor().map();
-  const auto period = evaluation.monitor().mapper().tiltPeriod();
+  const CuboidMap* newest = evaluation.monitor().map(sensor);
+  const auto period = evaluation.monitor().mapper(sensor).tiltPeriod();
   return {{"origin_m", {config.origin_x_m, config.origin_y_m}},
           {"cell_size_m", config.cell_size_m},
           {"cells", {grid.cellsX(), grid.cellsY()}},
@@ -76,6 +76,25 @@ Json mapOf(const Evaluation& evaluation, const MonitorConfig& settings) {
           {"overflowed_fraction", fraction(totals.overflowed_maps, totals.scans_mapped)},
           {"cuboids", cuboidsOf(totals)},
           {"memory_bytes", map.memoryBytes()}};
+}
+
+Json droppedOf(const ScanTotals& totals) {
+  return totals.scans_dropped.empty() ? Json::object() : Json(totals.scans_dropped);
+}
+
+/// By name; what one alone has stands in the summary itself.
+Json sensorsOf(const Evaluation& evaluation, const MonitorConfig& settings) {
+  Json sensors = Json::object();
+  const std::vector<SensorConfig> configs = settings.sensors();
+  for (std::size_t i = 0; i < configs.size(); ++i) {
+    const ScanTotals& totals = evaluation.totals().sensors[i];
+    sensors[configs[i].name] = {{"scans", totals.scans_mapped},
+                                {"scans_received", totals.scans_received},
+                                {"scans_dropped", droppedOf(totals)},
+                                {"points", pointsOf(totals)},
+                                {"map", mapOf(evaluation, configs[i], i)}};
+  }
+  return sensors;
 }
 
 Json robotOf(const Evaluation& evaluation) {
@@ -177,9 +196,9 @@ void CsvFile::close() {
   if (!stream_) throw InputError("cannot write all of " + path_);
 }
 
-void dumpPoints(const Monitor& monitor, CsvFile& file) {
-  const CuboidMap& map = *monitor.map();
-  for (const Vector3& exact : monitor.returns().points) {
+void dumpPoints(const Monitor& monitor, std::size_t sensor, CsvFile& file) {
+  const CuboidMap& map = *monitor.map(sensor);
+  for (const Vector3& exact : monitor.returns(sensor).points) {
     const Vector3 p(Grid::toMicrometre(exact.x()), Grid::toMicrometre(exact.y()),
                     Grid::toMicrometre(exact.z()));
     if (map.grid.cellOf(p)) file.line("%u,%.6f,%.6f,%.6f", map.serial, p.x(), p.y(), p.z());
@@ -204,14 +223,13 @@ void dumpVerdict(const Verdict& verdict, CsvFile& file) {
 
 Json summaryOf(const Evaluation& evaluation, const MonitorConfig& settings) {
   const Totals& totals = evaluation.totals();
-  const Json dropped = totals.scans_dropped.empty() ? Json::object() : Json(totals.scans_dropped);
   const bool any = totals.first_stamp && totals.last_stamp;
-  return {
+  Json summary{
       {"scans", totals.scans_mapped},
       {"scans_received", totals.scans_received},
-      {"scans_dropped", dropped},
+      {"scans_dropped", droppedOf(totals)},
       {"points", pointsOf(totals)},
-      {"map", mapOf(evaluation, settings)},
+      {"map", mapOf(evaluation, settings.sensors().front(), 0)},
       {"robot", robotOf(evaluation)},
       {"agreement", agreementOf(evaluation, settings.checker.checker.inputs.agreement.tolerance_m)},
       {"checks", totals.checks},
@@ -227,6 +245,11 @@ Json summaryOf(const Evaluation& evaluation, const MonitorConfig& settings) {
       {"duration_s",
        any ? Json(rounded(toSeconds(*totals.last_stamp - *totals.first_stamp))) : Json(nullptr)},
       {"time_us", timesOf(totals.timings)}};
+  if (!settings.named_sensors.empty()) {
+    summary.erase("map");
+    summary["sensors"] = sensorsOf(evaluation, settings);
+  }
+  return summary;
 }
 
 namespace {
@@ -242,9 +265,8 @@ void printAgreement(const Json& agreement, std::ostream& out) {
   if (!first.empty()) out << "warning  MODEL_DISAGREES: " << first << "\n";
 }
 
-}  // namespace
-
-void printSummary(const Json& summary, std::ostream& out) {
+/// Of all sensors, or of one.
+void printScans(const Json& summary, std::ostream& out) {
   const Json& map = summary["map"];
   const Json& points = summary["points"];
   out << "scans    " << summary["scans"] << " of " << summary["scans_received"] << " mapped";
@@ -261,6 +283,19 @@ void printSummary(const Json& summary, std::ostream& out) {
   if (points["overflowed"] > 0) {
     out << "warning  " << points["overflowed"]
         << " points did not fit into the map: raise intervals_max or window_returns_max\n";
+  }
+}
+
+}  // namespace
+
+void printSummary(const Json& summary, std::ostream& out) {
+  if (summary.contains("sensors")) {
+    for (const auto& [name, sensor] : summary["sensors"].items()) {
+      out << "sensor   " << name << "\n";
+      printScans(sensor, out);
+    }
+  } else {
+    printScans(summary, out);
   }
   const Json& robot = summary["robot"];
   if (!robot.is_null()) {

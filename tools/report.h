@@ -32,8 +32,8 @@ class CsvFile {
   std::ofstream stream_;
 };
 
-/// The newest scan's points as the map took them: scan,x,y,z.
-void dumpPoints(const Monitor& monitor, CsvFile& file);
+/// The points of a sensor's newest scan as its map took them: scan,x,y,z.
+void dumpPoints(const Monitor& monitor, std::size_t sensor, CsvFile& file);
 /// The live cuboids: x,y,bottom,top,age_scans,dyn,held; x and y of the cell's centre.
 void dumpCuboids(const CuboidMap& map, CsvFile& file);
 /// One check: stamp,scan,collision,occlusion,stop,reason,link. No stamp where no joint was known.
