@@ -26,7 +26,10 @@ struct Checker::Config {
 
   void describe(ParameterTable& table);
   /// @throws ConfigError
-  void validate() const { pose.validate(); }
+  void validate() const {
+    pose.validate();
+    inputs.validate();
+  }
 };
 
 }  // namespace tccm

@@ -97,9 +97,12 @@ class EvaluateTest(unittest.TestCase):
             a, b = self.path(os.path.join(one, dump)), self.path(os.path.join(other, dump))
             self.assertTrue(filecmp.cmp(a, b, shallow=False), dump)
 
-    def assertMapCanBeRecomputed(self, out="out"):
+    def assertMapCanBeRecomputed(self, out="out", sensor=None):
+        """@param sensor where several have names."""
         out = self.path(out)
+        dot_sensor = "." + sensor if sensor else ""
+        files = ("summary.json", f"points{dot_sensor}.csv", f"cuboids{dot_sensor}.csv")
         done = subprocess.run(["/usr/bin/python3", os.path.join(HERE, "recompute_cuboids.py"),
-                               *[os.path.join(out, f) for f in ("summary.json", "points.csv", "cuboids.csv")]],
+                               *[os.path.join(out, f) for f in files], *([sensor] if sensor else [])],
                               capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)

@@ -4,7 +4,7 @@
 A point at height z covers (z - thickness, z] of the cell that floor((x - origin) / cell_size) names,
 nothing below the least height of the area, and at least the first quantum above it; the map after the last scan is the union over the last window_scans scans.
 
-usage: recompute_cuboids.py summary.json points.csv cuboids.csv
+usage: recompute_cuboids.py summary.json points.csv cuboids.csv [sensor]
 """
 import csv
 import json
@@ -51,9 +51,10 @@ def dumped(cuboids_path, grid):
     return {cell: sorted(runs) for cell, runs in columns.items()}
 
 
-def main(summary_path, points_path, cuboids_path):
+def main(summary_path, points_path, cuboids_path, sensor=None):
     with open(summary_path) as f:
-        grid = json.load(f)["map"]
+        summary = json.load(f)
+    grid = (summary["sensors"][sensor] if sensor else summary)["map"]
     expected, got = union(points_path, grid), dumped(cuboids_path, grid)
     wrong = sorted(c for c in expected.keys() | got.keys() if expected.get(c) != got.get(c))
     for cell in wrong[:10]:
@@ -64,4 +65,4 @@ def main(summary_path, points_path, cuboids_path):
 
 
 if __name__ == "__main__":
-    sys.exit(main(*sys.argv[1:4]))
+    sys.exit(main(*sys.argv[1:]))
