@@ -1,6 +1,8 @@
 #include "check/sensor_maps.h"
 
 #include <algorithm>
+#include <iterator>
+#include <tuple>
 
 namespace tccm {
 namespace {
@@ -74,8 +76,10 @@ void SensorMaps::fill() {
     const auto begin = static_cast<std::ptrdiff_t>(united_.cuboids.size());
     united_.cell_begin[cell] = static_cast<std::uint32_t>(begin);
     for (const Source& source : sources_) append(cell, source);
-    std::stable_sort(united_.cuboids.begin() + begin, united_.cuboids.end(),
-                     [](const Cuboid& a, const Cuboid& b) { return a.bottom < b.bottom; });
+    std::sort(united_.cuboids.begin() + begin, united_.cuboids.end(),
+              [](const Cuboid& a, const Cuboid& b) {
+                return std::tie(a.bottom, a.top) < std::tie(b.bottom, b.top);
+              });
   }
   united_.cell_begin[united_.grid.cells()] = static_cast<std::uint32_t>(united_.cuboids.size());
   all_ = &united_;

@@ -57,12 +57,16 @@ class CheckAllocatesNothingTest : public ::testing::Test {
  protected:
   CheckAllocatesNothingTest() {
     for (const JointVariable& variable : model_->variables()) names_.push_back(variable.name);
-    checker_.setRootPose(0, Time(), Pose::Identity(), true);
+    checker_->setRootPose(0, Time(), Pose::Identity(), true);
   }
 
   /// A link that is hidden in part stops nothing.
-  static Checker::Config config() {
+  /// @param sensors how many; all see the same.
+  static Checker::Config config(int sensors = 1) {
     Checker::Config config;
+    for (int i = 0; sensors > 1 && i < sensors; ++i) {
+      config.inputs.sensors.push_back({"sensor" + std::to_string(i), i == 0});
+    }
     config.pose.occlusion.hidden_fraction = config.evidence.unseen_fraction_max = 1.0;
     return config;
   }
@@ -94,15 +98,17 @@ class CheckAllocatesNothingTest : public ::testing::Test {
     allocations = 0;
     for (const double end_s = time_s_ + duration_s; time_s_ < end_s; time_s_ += kCycle) {
       const Time now(fromSeconds(kStart + time_s_));
-      auto map = std::make_shared<CuboidMap>(map_);
-      map->cuboids.reserve(kRoom);
-      map->stamp = now;
-      map->serial = ++serial_;
-      test::refreshLooks(*map);
-      checker_.setMap(now, std::move(map));
-      checker_.addJoints(now, now, names_, positionsAt(time_s_), {});
+      for (std::size_t i = 0; i < checker_->inputs().sensors().size(); ++i) {
+        auto map = std::make_shared<CuboidMap>(map_);
+        map->cuboids.reserve(kRoom);
+        map->stamp = now;
+        map->serial = ++serial_;
+        test::refreshLooks(*map);
+        checker_->setMap(now, std::move(map), i);
+      }
+      checker_->addJoints(now, now, names_, positionsAt(time_s_), {});
       is_counting = true;
-      const Verdict& verdict = checker_.check(now);
+      const Verdict& verdict = checker_->check(now);
       is_counting = false;
       EXPECT_EQ(verdict.reason, Reason::kClear) << time_s_ << " s: " << verdict.detail;
       follows_ = follows_ || verdict.follows_trajectory;
@@ -114,7 +120,7 @@ class CheckAllocatesNothingTest : public ::testing::Test {
   const std::shared_ptr<const RobotModel> model_ = simulation::dualArm();
   std::vector<std::string> names_;
   CuboidMap map_ = test::tableMap();
-  Checker checker_{model_, config()};
+  std::unique_ptr<Checker> checker_ = std::make_unique<Checker>(model_, config());
   double time_s_ = 0.0;
   std::uint32_t serial_ = 0;
   bool follows_ = false;
@@ -127,10 +133,17 @@ TEST_F(CheckAllocatesNothingTest, WhileTheRobotMoves) {
   EXPECT_FALSE(follows_);
 }
 
+TEST_F(CheckAllocatesNothingTest, WhileTheRobotMovesBeforeSeveralSensors) {
+  checker_ = std::make_unique<Checker>(model_, config(3));
+  checker_->setRootPose(0, Time(), Pose::Identity(), true);
+  allocationsOver(kWarm);
+  EXPECT_EQ(allocationsOver(3.0 * kPeriod), 0);
+}
+
 TEST_F(CheckAllocatesNothingTest, WhileItFollowsATrajectoryWhosePointsComeThickerAndThicker) {
   const Time before(fromSeconds(kStart) - std::chrono::milliseconds(10));
-  checker_.addJoints(before, before, names_, positionsAt(0.0), {});
-  ASSERT_EQ(checker_.command(Time(fromSeconds(kStart)), trajectory(4.0 * kPeriod)), "");
+  checker_->addJoints(before, before, names_, positionsAt(0.0), {});
+  ASSERT_EQ(checker_->command(Time(fromSeconds(kStart)), trajectory(4.0 * kPeriod)), "");
   allocationsOver(kWarm);
   EXPECT_EQ(allocationsOver(3.0 * kPeriod), 0);
   EXPECT_TRUE(follows_);
