@@ -61,6 +61,7 @@ void CheckerConfig::describe(ParameterTable& table) {
   table.add("tuning_stop_time_min_s", &tuning_stop_time_min_s, "s", {0.0, 10.0},
             "nor `stop_time_s` below this");
   table.add("marker_rate_hz", &marker_rate_hz, "Hz", kMarkerRates, "of `robot_markers`");
+  table.add("export_rate_hz", &export_rate_hz, "Hz", {0.1, 100.0}, "of `occupied_points`");
 }
 
 void CheckerConfig::validate() const {

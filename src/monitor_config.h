@@ -55,6 +55,7 @@ struct CheckerConfig {
   double tuning_padding_min_m = 0.01;
   double tuning_stop_time_min_s = 0.1;
   double marker_rate_hz = 10.0;
+  double export_rate_hz = 5.0;
   double attach_forget_padding_m = 0.08;
   double attach_forget_s = 0.2;
 
@@ -73,7 +74,7 @@ struct TopicConfig {
 
 /// What belongs to one sensor: a section of the file that has its name, and a namespace.
 struct SensorConfig {
-  std::string name;            ///< empty: it is the only one, and its sections stand at the top
+  std::string name;   ///< empty: it is the only one, and its sections stand at the top
   std::string topic;  ///< of its scans
   AssemblerConfig assembler;
   MapperConfig mapper;

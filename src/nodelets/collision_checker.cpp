@@ -66,6 +66,7 @@ void CollisionChecker::setUp() {
   marker_publisher_ = advertise<visualization_msgs::MarkerArray>(node(), "robot_markers", 2);
   image_publisher_ = advertise<sensor_msgs::Image>(node(), "occlusion_image", 2);
   checked_map_publisher_ = advertise<tccm_monitor::CuboidMap>(node(), "checked_map", 2);
+  occupied_publisher_ = advertise<sensor_msgs::PointCloud2>(node(), "occupied_points", 2);
   const CheckInputs::Config& limits = config_.checker.inputs;
   joints_rate_ = watch("joint_states", limits.joint_timeout_s, limits.future_max_s);
   makeFeeds();
@@ -87,6 +88,7 @@ void CollisionChecker::setUp() {
     publish();
   });
   picture_timer_ = timer(1.0 / config_.marker_rate_hz, [this] { publishPictures(); });
+  export_timer_ = timer(1.0 / config_.export_rate_hz, [this] { publishOccupied(); });
 }
 
 void CollisionChecker::makeFeeds() {
@@ -329,6 +331,12 @@ void CollisionChecker::publishCheckedMap() {
     map.cuboids[verdict_->first_contact->contact.cuboid].col = tccm_monitor::Cuboid::COLLISION;
   }
   checked_map_publisher_.publish(map);
+}
+
+void CollisionChecker::publishOccupied() {
+  if (occupied_publisher_.getNumSubscribers() == 0 || !checker_->map()) return;
+  toPoints(*checker_->map(), withoutSlash(config_.fixed_frame), occupied_);
+  occupied_publisher_.publish(occupied_);
 }
 
 void CollisionChecker::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {

@@ -78,6 +78,8 @@ class CollisionChecker : public DiagnosedNodelet {
   void publish();
   void publishPictures();
   void publishCheckedMap();
+  /// For others, such as a planner: what would stop the arm.
+  void publishOccupied();
   /// Whether simulated time stands still, so that nothing can grow old by it.
   [[nodiscard]] bool clockStalls();
   void tellChange(const Verdict& verdict);
@@ -96,11 +98,12 @@ class CollisionChecker : public DiagnosedNodelet {
   ScanReport report_;                 ///< the newest, reused
   ros::Publisher permission_publisher_, stop_publisher_, collision_publisher_, occlusion_publisher_,
       scale_publisher_, status_publisher_;
-  ros::Publisher marker_publisher_, image_publisher_, checked_map_publisher_;
+  ros::Publisher marker_publisher_, image_publisher_, checked_map_publisher_, occupied_publisher_;
+  sensor_msgs::PointCloud2 occupied_;  ///< reused
   std::uint32_t permissions_ = 0;
   std::vector<ros::ServiceServer> services_;
   std::vector<ros::Subscriber> inputs_;
-  ros::WallTimer publish_timer_, picture_timer_;
+  ros::WallTimer publish_timer_, picture_timer_, export_timer_;
   std::unique_ptr<diagnostic_updater::TopicDiagnostic> joints_rate_;
   std::uint32_t seen_serial_ = 0;
   Latencies latencies_;

@@ -42,6 +42,10 @@ void toMessage(const AssembledScan& scan, const std::string& frame,
 /// Reuses the message's memory. col is left CLEAR.
 void toMessage(const CuboidMap& map, const std::string& frame, tccm_monitor::CuboidMap& message);
 
+/// What is occupied, as points x, y, z: in the middle of each cuboid's cell, from its lower to its
+/// upper end, no further apart than a cell is wide. Reuses the message's memory.
+void toPoints(const CuboidMap& map, const std::string& frame, sensor_msgs::PointCloud2& message);
+
 /// @return empty, or why the message is no map. @param map reused.
 [[nodiscard]] std::string fromMessage(const tccm_monitor::CuboidMap& message, CuboidMap& map);
 

@@ -1,4 +1,5 @@
 // Cuboid maps to messages and back.
+#include <sensor_msgs/point_cloud2_iterator.h>
 #include <tf2_eigen/tf2_eigen.h>
 
 #include <algorithm>
@@ -141,6 +142,32 @@ void toMessage(const CuboidMap& map, const std::string& frame, tccm_monitor::Cub
     out.col = tccm_monitor::Cuboid::CLEAR;
     out.held = static_cast<std::uint8_t>(cuboid.held);
     out.unseen_ms = cuboid.unseen_ms;
+  }
+}
+
+void toPoints(const CuboidMap& map, const std::string& frame, sensor_msgs::PointCloud2& message) {
+  const double cell_size = map.grid.config().cell_size_m;
+  const auto stepsOf = [&](const UprightBox& box) {
+    return static_cast<std::size_t>(std::ceil(box.sizes().z() / cell_size - 1e-9));
+  };
+  std::size_t points = 0;
+  for (const Cuboid& cuboid : map.cuboids) points += stepsOf(map.box(cuboid)) + 1;
+  message.header.frame_id = frame;
+  message.header.stamp = toRos(map.stamp);
+  sensor_msgs::PointCloud2Modifier layout(message);
+  layout.setPointCloud2FieldsByString(1, "xyz");
+  layout.resize(points);
+  message.is_dense = true;
+  sensor_msgs::PointCloud2Iterator<float> x(message, "x"), y(message, "y"), z(message, "z");
+  for (const Cuboid& cuboid : map.cuboids) {
+    const UprightBox box = map.box(cuboid);
+    const std::size_t steps = stepsOf(box);
+    for (std::size_t i = 0; i <= steps; ++i, ++x, ++y, ++z) {
+      const double share = static_cast<double>(i) / static_cast<double>(steps);
+      *x = static_cast<float>(box.center().x());
+      *y = static_cast<float>(box.center().y());
+      *z = static_cast<float>(box.min().z() + share * box.sizes().z());
+    }
   }
 }
 

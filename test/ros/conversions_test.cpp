@@ -1,10 +1,14 @@
 #include "ros/conversions.h"
 
 #include <gtest/gtest.h>
+#include <sensor_msgs/point_cloud2_iterator.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <set>
+#include <vector>
 
 #include "support/cuboid_scene.h"
 #include "support/random.h"
@@ -259,6 +263,38 @@ TEST_F(DefectiveMapTest, LooksThatAreNoneAreRefused) {
   message_ = whole;
   message_.look_period = ros::Duration(-1.0);
   EXPECT_NE(defect(), "");
+}
+
+TEST(OccupiedPointsTest, LieInTheCuboidsFromEndToEndNoFurtherApartThanACell) {
+  test::Random random(5);
+  CuboidMap map = test::emptyMap();
+  std::set<CellIndex> cells;
+  while (cells.size() < 300) cells.insert(static_cast<CellIndex>(random.integer(0, 7499)));
+  for (const CellIndex cell : cells) {
+    const double bottom = random.uniform(0.0, 1.0);
+    test::addCuboid(map, cell, bottom, bottom + random.uniform(0.002, 0.5));
+  }
+  indexCells(map);
+  sensor_msgs::PointCloud2 message;
+  for (int again = 0; again < 2; ++again) toPoints(map, "base_link", message);
+  EXPECT_EQ(message.header.frame_id, "base_link");
+  sensor_msgs::PointCloud2ConstIterator<float> x(message, "x"), y(message, "y"), z(message, "z");
+  std::map<CellIndex, std::vector<double>> heights;
+  for (; x != x.end(); ++x, ++y, ++z) {
+    const auto cell = map.grid.cellOf({*x, *y, 0.5});
+    ASSERT_TRUE(cell);
+    heights[*cell].push_back(*z);
+  }
+  ASSERT_EQ(heights.size(), map.cuboids.size());
+  for (const Cuboid& cuboid : map.cuboids) {
+    std::vector<double>& column = heights.at(cuboid.cell);
+    std::sort(column.begin(), column.end());
+    EXPECT_NEAR(column.front(), map.grid.metres(cuboid.bottom), 1e-6);
+    EXPECT_NEAR(column.back(), map.grid.metres(cuboid.top), 1e-6);
+    for (std::size_t i = 1; i < column.size(); ++i) {
+      EXPECT_LE(column[i] - column[i - 1], map.grid.config().cell_size_m + 1e-6);
+    }
+  }
 }
 
 }  // namespace
