@@ -18,6 +18,7 @@ bool isSame(const SensorMaps::Source& one, const SensorMaps::Source& other) {
 
 void SensorMaps::clear() {
   sources_.clear();
+  kept_.clear();
   each_.clear();
   all_ = nullptr;
 }
@@ -44,8 +45,11 @@ void SensorMaps::unite(Time now, const std::vector<Source>& sources, bool maps_c
   sources_.clear();
   std::copy_if(sources.begin(), sources.end(), std::back_inserter(sources_), counts);
   each_.clear();
+  kept_.clear();
   for (const Source& source : sources) {
-    if (source.map) each_.push_back(source.map.get());
+    if (!source.map) continue;
+    kept_.push_back(source.map);
+    each_.push_back(source.map.get());
   }
   all_ = nullptr;
   if (!each_.empty()) fill();

@@ -39,7 +39,8 @@ class SensorMaps {
   void append(CellIndex cell, const Source& source);
   [[nodiscard]] bool isOverruled(const Cuboid& cuboid, const Source& by_source) const;
 
-  std::vector<Source> sources_;  ///< that are in it
+  std::vector<Source> sources_;                         ///< that are in it
+  std::vector<std::shared_ptr<const CuboidMap>> kept_;  ///< each_ of them
   std::vector<const CuboidMap*> each_;
   CuboidMap united_;
   const CuboidMap* all_ = nullptr;
