@@ -56,7 +56,8 @@ int run() {
       if (!loader.load(node.resolveName(name), type, remappings, {})) return 1;
     }
   } catch (const ConfigError& error) {
-    ROS_FATAL("collision_checker refuses to start: %s", error.what());
+    ROS_FATAL("%s refuses to start: %s", node.resolveName("collision_checker").c_str(),
+              error.what());
     return 1;
   }
   ros::spin();
