@@ -220,7 +220,10 @@ TEST_F(LeavingSlowlyTest, InAgainIsAhead) {
   }
 }
 
+/// Nothing else is near, so that places could be passed over.
 TEST_F(LeavingSlowlyTest, InAndOutAgainIsNotPassedOver) {
+  map_ = test::emptyMap();
+  addBlock(map_, {Vector3(0.8, 0.0, 0.3), Vector3(0.82, 0.02, 0.7)});
   Random random(23);
   for (int i = 0; i < 40; ++i) {
     const Motion out = motion(random);
