@@ -18,7 +18,8 @@ struct Monitor::Stages {
   /// A snapshot for the checker, which may hold the one before.
   const std::shared_ptr<CuboidMap>& snapshot() {
     newest = 1 - newest;
-    if (!maps[newest]) {
+    // Of a sensor that has failed the checker keeps the last map that was good.
+    if (!maps[newest] || maps[newest].use_count() > 1) {
       maps[newest] = std::make_shared<CuboidMap>();
       mapper.reserve(*maps[newest]);
     }

@@ -119,7 +119,10 @@ bool CheckInputs::fits(std::size_t sensor) const {
 
 void CheckInputs::unite(Time now) {
   for (std::size_t i = 0; i < sensors_.size(); ++i) {
-    sources_[i] = {fits(i) ? sensors_[i].map() : nullptr, !outs_[i].empty()};
+    SensorMaps::Source& source = sources_[i];
+    source.map = fits(i) ? sensors_[i].map() : nullptr;
+    source.is_out = !outs_[i].empty();
+    if (!source.is_out) source.seen = source.map;
   }
   maps_.unite(now, sources_, std::exchange(maps_changed_, false));
 }
@@ -129,6 +132,7 @@ void CheckInputs::reset() {
   agreement_.reset();
   for (SensorInput& sensor : sensors_) sensor.reset();
   std::fill(outs_.begin(), outs_.end(), std::string());
+  std::fill(sources_.begin(), sources_.end(), SensorMaps::Source());
   maps_.clear();
   started_.reset();
   future_joint_.reset();
@@ -243,7 +247,7 @@ void CheckInputs::appendCauses(Time now, std::vector<Cause>& causes) {
 Cause CheckInputs::worst(Time now) {
   std::vector<Cause> causes;
   appendCauses(now, causes);
-  if (!maps_.all()) unite(now);
+  if (maps_changed_ || !maps_.all()) unite(now);
   const auto worst = std::max_element(
       causes.begin(), causes.end(), [](const auto& a, const auto& b) { return b.isWorseThan(a); });
   return worst == causes.end() ? Cause() : *worst;

@@ -112,10 +112,10 @@ void EvidenceCheck::judge(const Situation& situation, Causes& causes) {
 const EvidenceCheck::Findings& EvidenceCheck::find(const Surroundings& around, Time now,
                                                    const Body& now_body, const Body& end_body) {
   sensors_.clear();
-  for (const CuboidMap* map : around) {
-    const double period_s = toSeconds(map->look_period);
-    sensors_.push_back({map, fromSeconds(config_.slow_periods * period_s),
-                        fromSeconds(config_.stop_periods * period_s)});
+  for (const SensorView& view : around) {
+    const double period_s = toSeconds(view.map->look_period);
+    sensors_.push_back({view.map, fromSeconds(config_.slow_periods * period_s),
+                        fromSeconds(config_.stop_periods * period_s), view.is_out});
   }
   const Question question{around.map.grid, now};
   std::fill(tallies_.begin(), tallies_.end(), Tally());
@@ -228,6 +228,7 @@ void EvidenceCheck::lookAt(const Question& question, const Vector3& p_fixed, dou
 std::optional<double> EvidenceCheck::nextLook(const Vector3& p_fixed, Time now) const {
   std::optional<double> next_s;
   for (const Sensor& sensor : sensors_) {
+    if (sensor.is_out) continue;
     const Duration period = sensor.map->look_period;
     const Duration late_max = fromSeconds(kLateShare * toSeconds(period));
     const auto next = sensor.map->looks.nextLook(p_fixed, config_.margin_m, now, period, late_max);

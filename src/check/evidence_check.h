@@ -78,6 +78,7 @@ class EvidenceCheck {
   struct Sensor {
     const CuboidMap* map;
     Duration old, lost;
+    bool is_out;
   };
   struct Question {
     const Grid& grid;

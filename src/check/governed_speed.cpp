@@ -128,7 +128,8 @@ void GovernedSpeed::judge(const Situation& situation, Causes& causes) {
 void GovernedSpeed::noteDelays(const Situation& situation) {
   feeds_.resize(situation.around.size());
   std::size_t i = 0;
-  for (const CuboidMap* map : situation.around) {
+  for (const SensorView& view : situation.around) {
+    const CuboidMap* map = view.map;
     Feed& feed = feeds_[i++];
     if (map->serial == feed.serial) continue;
     feed.serial = map->serial;
@@ -214,8 +215,8 @@ void GovernedSpeed::forgetSeen(const Surroundings& around, Track& track) const {
   const double far = 2.0 * (track.radius_m + config_.appear_distance_m);
   const auto isOver = [&](const Place& place) {
     if ((place.p_fixed - track.p_fixed).norm() > far) return true;
-    return std::any_of(around.begin(), around.end(), [&](const CuboidMap* map) {
-      const LookImage& looks = map->looks;
+    return std::any_of(around.begin(), around.end(), [&](const SensorView& view) {
+      const LookImage& looks = view.map->looks;
       return looks.passedSince(place.since, place.p_fixed, marginAt(looks, place.p_fixed));
     });
   };
@@ -251,8 +252,10 @@ GovernedSpeed::NextLook GovernedSpeed::nextLook(const Place& place,
   NextLook first{kNoLook, 0.0, false};
   for (const Feed& feed : feeds_) first.delay_s = std::max(first.delay_s, feed.delay_s);
   std::size_t i = 0;
-  for (const CuboidMap* map : situation.around) {
+  for (const SensorView& view : situation.around) {
+    const CuboidMap* map = view.map;
     const double delay_s = feeds_[i++].delay_s;
+    if (view.is_out) continue;
     const double late_s = kLateShare * toSeconds(map->look_period) + delay_s;
     const auto next = map->looks.nextLook(place.p_fixed, marginAt(map->looks, place.p_fixed),
                                           situation.now, map->look_period, fromSeconds(late_s));

@@ -60,9 +60,9 @@ void OcclusionCheck::find(const Surroundings& around, const Body& body, PoseFind
   hiding.clear();
   hiding.reserve(around.size() * around.map.cuboids.capacity());
   findings.links = links_;
-  for (const CuboidMap* sensor : around) {
-    const bool is_first = sensor == *around.begin();
-    lookFrom(*sensor, around.map, body, is_first ? findings.links : other_, hiding);
+  for (const SensorView& view : around) {
+    const bool is_first = view.map == around.begin()->map;
+    lookFrom(*view.map, around.map, body, is_first ? findings.links : other_, hiding);
     if (is_first) continue;
     for (std::size_t i = 0; i < links_.size(); ++i) {
       findings.links[i] = ofBoth(findings.links[i], other_[i]);
@@ -82,7 +82,7 @@ void OcclusionCheck::lookFrom(const CuboidMap& sensor, const CuboidMap& all, con
   const Vector3& viewpoint = sensor.looks.empty() ? sensor.viewpoint : sensor.looks.viewpoint();
   buffer_.begin(viewpoint);
   drawFromNearToFar(viewpoint, body);
-  askLooks(sensor);
+  askLooks(sensor, all.stamp);
   if (buffer_.canBeCovered()) {
     for (std::uint32_t k = 0; k < all.cuboids.size(); ++k) {
       if (buffer_.cover(all, all.cuboids[k], config_.margin_m)) hiding.push_back(k);
@@ -106,11 +106,11 @@ OcclusionCheck::PixelSight OcclusionCheck::sightOf(const LookImage::Passes& pass
   return PixelSight::kUnseen;
 }
 
-void OcclusionCheck::askLooks(const CuboidMap& map) {
+void OcclusionCheck::askLooks(const CuboidMap& map, Time newest) {
   const LookImage& looks = map.looks;
   const Duration old = fromSeconds(old_periods_ * toSeconds(map.look_period));
   const bool ages_matter = old > Duration::zero();  // else no period is known yet
-  const LookImage::Ticks oldest = ages_matter ? looks.ticksAt(map.stamp - old) : 0;
+  const LookImage::Ticks oldest = ages_matter ? looks.ticksAt(newest - old) : 0;
   const bool same_grid = looks.grid().rows() == buffer_.grid().rows();
   sights_.clear();
   for (const std::uint32_t pixel : buffer_.drawn()) {

@@ -66,7 +66,8 @@ class OcclusionCheck {
                 std::vector<LinkVisibility>& links, std::vector<std::uint32_t>& hiding);
   void drawFromNearToFar(const Vector3& viewpoint, const Body& body);
   enum class PixelSight : std::uint8_t { kVisible, kOccluded, kUnseen };
-  void askLooks(const CuboidMap& map);
+  /// @param newest scan of any sensor: by it looks are old, also of one that has failed.
+  void askLooks(const CuboidMap& map, Time newest);
   void countPixels(std::vector<LinkVisibility>& links) const;
   /// Unseen: cuboids must tell.
   [[nodiscard]] PixelSight sightOf(const LookImage::Passes& passes, const ZBuffer::Pixel& drawn,

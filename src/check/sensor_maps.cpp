@@ -11,7 +11,7 @@ namespace {
 constexpr double kThrough = 0.05;
 
 bool isSame(const SensorMaps::Source& one, const SensorMaps::Source& other) {
-  return one.map == other.map && one.is_out == other.is_out;
+  return one.map == other.map && one.is_out == other.is_out && one.seen == other.seen;
 }
 
 }  // namespace
@@ -27,7 +27,7 @@ void SensorMaps::unite(Time now, const std::vector<Source>& sources, bool maps_c
   if (sources.size() == 1) {
     each_.clear();
     all_ = sources.front().map.get();
-    if (all_) each_.push_back(all_);
+    if (all_) each_.push_back({all_});
     sources_ = sources;
     return;
   }
@@ -47,16 +47,16 @@ void SensorMaps::unite(Time now, const std::vector<Source>& sources, bool maps_c
   each_.clear();
   kept_.clear();
   for (const Source& source : sources) {
-    if (!source.map) continue;
-    kept_.push_back(source.map);
-    each_.push_back(source.map.get());
+    if (!source.seen) continue;
+    kept_.push_back(source.seen);
+    each_.push_back({source.seen.get(), source.is_out});
   }
   all_ = nullptr;
-  if (!each_.empty()) fill();
+  if (!sources_.empty()) fill();
 }
 
 void SensorMaps::fill() {
-  const CuboidMap& first = *each_.front();
+  const CuboidMap& first = *sources_.front().map;
   if (!(united_.grid == first.grid)) united_.grid = first.grid;
   united_.thickness = first.thickness;
   united_.viewpoint = first.viewpoint;
@@ -66,7 +66,7 @@ void SensorMaps::fill() {
   united_.complete = true;
   ++united_.serial;
   std::size_t most = 0;
-  for (const CuboidMap* map : each_) most += map->cuboids.capacity();
+  for (const Source& source : sources_) most += source.map->cuboids.capacity();
   united_.cuboids.reserve(most);
   united_.cuboids.clear();
   for (const Source& source : sources_) {

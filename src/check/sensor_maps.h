@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "check/surroundings.h"
 #include "tccm_monitor/cuboid_map.h"
 
 namespace tccm {
@@ -18,6 +19,8 @@ class SensorMaps {
   struct Source {
     std::shared_ptr<const CuboidMap> map;  ///< nothing: none came yet
     bool is_out = false;                   ///< nothing that is to be relied on comes any more
+    /// The last map from before it was out: what came since may be wrong of what it saw.
+    std::shared_ptr<const CuboidMap> seen;
   };
 
   /// @param sources one for each sensor, always of the same number. @param maps_changed false:
@@ -27,8 +30,8 @@ class SensorMaps {
 
   /// Nothing where no sensor has a map. Serials rise with each change.
   [[nodiscard]] const CuboidMap* all() const { return all_; }
-  /// Of each sensor that has one: where it looked, and when.
-  [[nodiscard]] const std::vector<const CuboidMap*>& each() const { return each_; }
+  /// Of each sensor that ever saw something that is to be relied on.
+  [[nodiscard]] const std::vector<SensorView>& each() const { return each_; }
   /// Whether two maps cover the same cells.
   [[nodiscard]] static bool fit(const CuboidMap& one, const CuboidMap& other) {
     return one.grid == other.grid;
@@ -40,8 +43,8 @@ class SensorMaps {
   [[nodiscard]] bool isOverruled(const Cuboid& cuboid, const Source& by_source) const;
 
   std::vector<Source> sources_;                         ///< that are in it
-  std::vector<std::shared_ptr<const CuboidMap>> kept_;  ///< each_ of them
-  std::vector<const CuboidMap*> each_;
+  std::vector<std::shared_ptr<const CuboidMap>> kept_;  ///< those of each_
+  std::vector<SensorView> each_;
   CuboidMap united_;
   const CuboidMap* all_ = nullptr;
 };

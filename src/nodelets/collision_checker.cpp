@@ -119,6 +119,8 @@ void CollisionChecker::receiveMap(const SensorFeed& feed) {
 void CollisionChecker::tellAttachments() {
   ros::Time took = ros::TIME_MAX, since = ros::TIME_MAX;
   for (const SensorFeed& feed : feeds_) {
+    // Nobody waits for one that has failed and need not be there.
+    if (!checker_->inputs().outText(feed.sensor()).empty()) continue;
     if (!feed.message()) return;
     const tccm_monitor::CuboidMap& map = *feed.message();
     took = std::min(took, map.attached_stamp);

@@ -63,6 +63,8 @@ class SensorFeed {
   static constexpr std::size_t kDropReasonsMax = 20;  // the assembler has fewer; others may publish
 
   void receiveMap(const tccm_monitor::CuboidMap::ConstPtr& message) {
+    // Of a sensor that has failed the checker keeps the last map that was good.
+    if (spare_map_.use_count() > 1) spare_map_ = std::make_shared<CuboidMap>();
     defect_ = tccm::fromMessage(*message, *spare_map_);
     if (defect_.empty() && withoutSlash(message->header.frame_id) != fixed_frame_) {
       defect_ =

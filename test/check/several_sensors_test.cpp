@@ -213,6 +213,85 @@ TEST_F(SeveralSensorsTest, WhatOnlyAFailedSensorSawGrowsOldByPlace) {
   EXPECT_EQ(runLaser(kStart + 4.0, kStart + 6.0, blind_to_it).level, Level::kStop);
 }
 
+TEST_F(SeveralSensorsTest, ALinkThatAFailedSensorSawIsHiddenOnceThatIsOld) {
+  remakeWithCamera(false);
+  EXPECT_FALSE(runBoth(kStart, kStart + 1.0, shelf_, clear_to_camera_).occlusion);
+  EXPECT_TRUE(runLaser(kStart + 1.0, kStart + 4.0, shelf_).occlusion);
+}
+
+TEST_F(SeveralSensorsTest, WhatASensorSaysThatFailsIsNoEvidence) {
+  remakeWithCamera(false);
+  CuboidMap blind_to_it = clear_, failing = clear_to_camera_;
+  blind_to_it.looks.clear();
+  runBoth(kStart, kStart + 1.0, blind_to_it, clear_to_camera_);
+  failing.self_share = 0.95;  // its looks go on
+  EXPECT_EQ(runBoth(kStart + 1.0, kStart + 5.0, blind_to_it, failing).reason, Reason::kEvidenceOld);
+  EXPECT_NE(checker_->inputs().outText(kCamera), "");
+}
+
+TEST_F(SeveralSensorsTest, ASensorThatWasNeverWholeHasSeenNothing) {
+  remakeWithCamera(false);
+  CuboidMap blind_to_it = clear_, filling = clear_to_camera_;
+  blind_to_it.looks.clear();
+  filling.complete = false;
+  filling.look_period = Duration::zero();
+  EXPECT_EQ(runBoth(kStart, kStart + 0.5, blind_to_it, filling, 0.0, 0.5).unseen_fraction, 1.0);
+}
+
+TEST_F(SeveralSensorsTest, WhatASensorSeesThatFailsIsAnObstacleAllTheSame) {
+  remakeWithCamera(false);
+  CuboidMap filling = post_to_camera_;
+  filling.complete = false;
+  filling.hold = fromSeconds(1.0);
+  EXPECT_TRUE(runBoth(kStart, kStart + 0.5, clear_, filling, kAtThePost).collision);
+}
+
+TEST_F(SeveralSensorsTest, NoLookOfAFailedSensorIsDue) {
+  config_.governed_speed.appear_distance_m = 0.15;
+  CuboidMap slow = clear_, quick = clear_to_camera_, elsewhere = clear_to_camera_;
+  slow.look_period = fromSeconds(2.0);
+  quick.look_period = fromSeconds(0.6);
+  elsewhere.looks.clear();
+  const auto scaleOnceFailed = [&](const CuboidMap& camera) {
+    remakeWithCamera(false);
+    runBoth(kStart, kStart + 0.3, slow, camera, 0.1, 0.5);
+    for (double now = kStart + 0.3; now < kStart + 0.6; now += kScanPeriod) {
+      feedRobot(now, 0.1, 0.5);
+      setMapOf(kLaser, now, slow, now);
+      check(now);
+    }
+    EXPECT_NE(checker_->inputs().outText(kCamera), "");
+    return check(kStart + 0.6).governed_scale;
+  };
+  EXPECT_EQ(scaleOnceFailed(quick), scaleOnceFailed(elsewhere));
+}
+
+TEST_F(SeveralSensorsTest, EvidenceIsAsOldAsTheNewestLookAlsoWhereTheRobotItselfStands) {
+  remakeWithCamera(false);
+  CuboidMap at_the_robot = clear_;
+  for (int row = 0; row < at_the_robot.looks.grid().rows(); ++row) {
+    for (int column = 0; column < at_the_robot.looks.grid().columns(); ++column) {
+      for (LookImage::Pass& pass : at_the_robot.looks.edit(row, column)) {
+        pass.end = Seen::kRobot;
+        pass.range_mm = 100;
+      }
+    }
+  }
+  runBoth(kStart, kStart + 2.0, at_the_robot, clear_to_camera_);
+  EXPECT_EQ(runLaser(kStart + 2.0, kStart + 6.0, at_the_robot).reason, Reason::kClear);
+}
+
+TEST_F(SeveralSensorsTest, AQuestionIsAnsweredByTheNewestMaps) {
+  runBoth(kStart, kStart + 2.0, clear_, clear_to_camera_);
+  const double now = kStart + 2.0;
+  const auto asked = [&] {
+    return checker_->checkState(at(now), {"slide"}, {kAtThePost}).cause.reason;
+  };
+  EXPECT_EQ(asked(), Reason::kClear);
+  setMapOf(kCamera, now, post_to_camera_, now);
+  EXPECT_EQ(asked(), Reason::kCollision);
+}
+
 TEST_F(SeveralSensorsTest, WhatOneSawLatelyIsSeen) {
   CuboidMap blind_to_it = clear_;
   blind_to_it.looks.clear();
