@@ -47,8 +47,8 @@ void OcclusionCheck::Config::describe(ParameterTable& table) {
   table.add("occlusion_slow_scale", &slow_scale, "", {0.0, 1.0}, "to this speed scale");
 }
 
-OcclusionCheck::OcclusionCheck(const Config& config, std::vector<std::uint32_t> link_of_shape,
-                               double old_periods)
+OcclusionCheck::OcclusionCheck(const Config& config,
+                               const std::vector<std::uint32_t>& link_of_shape, double old_periods)
     : config_(validated(config)), old_periods_(old_periods), buffer_(config.resolution_rad) {
   for (const std::uint32_t link : link_of_shape) slot_of_shape_.push_back(entryOf(link, links_));
   order_.reserve(link_of_shape.size());

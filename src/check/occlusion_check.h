@@ -47,7 +47,7 @@ class OcclusionCheck {
   /// @param link_of_shape for each of the body's shapes the link it belongs to.
   /// @param old_periods looks that are older than so many tilt periods say nothing.
   /// @throws ConfigError
-  OcclusionCheck(const Config& config, std::vector<std::uint32_t> link_of_shape,
+  OcclusionCheck(const Config& config, const std::vector<std::uint32_t>& link_of_shape,
                  double old_periods = 1.5);
 
   /// Of several sensors, the one that sees most of a link counts; what it does not see is hidden
