@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "robot/body_sampler.h"
+#include "scan/filtered_robot.h"
 #include "scan/scan_assembler.h"
 #include "sight/look.h"
 
@@ -32,15 +32,17 @@ class ScanStage {
   ScanStage(const Config& config, std::shared_ptr<const RobotModel> model);
 
   /// Nothing where no robot is filtered out.
-  [[nodiscard]] const BodySampler* body() const { return body_.get(); }
-  [[nodiscard]] const JointStates* joints() const { return body_ ? &body_->joints() : nullptr; }
+  [[nodiscard]] const BodySampler* body() const { return robot_.body(); }
+  [[nodiscard]] const JointStates* joints() const { return robot_.joints(); }
   /// A joint state that is stamped in the future is dropped. @return whether it was taken.
   bool addJoints(Time now, Time stamp, const std::vector<std::string>& names,
                  const std::vector<double>& positions, const std::vector<double>& velocities);
   /// What the robot holds from now on; objects that are no good are left out.
   /// @return why, a line for each of those.
-  std::vector<std::string> hold(const std::vector<AttachedObject>& objects);
-  void reset();
+  std::vector<std::string> hold(const std::vector<AttachedObject>& objects) {
+    return robot_.hold(objects);
+  }
+  void reset() { robot_.reset(); }
 
   /// @param T_fixed_sensor the sensor's poses, covering the scan from first to last beam.
   /// @param T_fixed_roots one for each of the model's roots, where a robot is filtered out.
@@ -51,17 +53,12 @@ class ScanStage {
   /// The last scan, in the fixed frame.
   [[nodiscard]] const AssembledScan& scan() const { return scan_; }
   /// The link that most returns of the last hundred scans or so were taken for; empty where none.
-  [[nodiscard]] const std::string& selfLink() const { return self_link_; }
+  [[nodiscard]] const std::string& selfLink() const { return robot_.mostCounted(); }
 
  private:
-  void countSelf();
-
   Config config_;
-  std::shared_ptr<const RobotModel> bare_model_;  ///< with empty hands
-  std::unique_ptr<BodySampler> body_;
+  FilteredRobot robot_;
   AssembledScan scan_;
-  std::vector<double> self_counts_;  ///< by link, forgotten slowly
-  std::string self_link_;
 };
 
 /// The map's part of an assembled scan. @param returns reused.

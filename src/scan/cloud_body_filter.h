@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "geometry/direction_cube.h"
+#include "geometry/ray.h"
+#include "scan/range_noise.h"
+#include "scan/scan_assembler.h"
+#include "tccm_monitor/laser_scan.h"
+#include "tccm_monitor/shape.h"
+
+namespace tccm {
+
+/// Where the sensor was at one time of a cloud, and which sample of the body is nearest to it.
+struct CloudPlace {
+  Pose T_fixed_sensor = Pose::Identity();
+  std::size_t sample = 0;
+};
+
+/// The self filter for clouds. The padded body is drawn once a cloud, coarsely, into the sensor's
+/// directions; a point is compared with the shapes alone that are drawn where it is, and within
+/// their distances. The outcome is that of BodyFilter, which compares each beam with each shape.
+class CloudBodyFilter {
+ public:
+  CloudBodyFilter();
+
+  /// @param samples of the body; empty: nobody is filtered out. @param places of the cloud.
+  void draw(const BodyFilter& filter, const RangeNoise& noise,
+            const std::vector<BodySample>& samples, const std::vector<CloudPlace>& places);
+  /// Whether the point may be one of the robot's, or in its shadow; where not it is a return.
+  [[nodiscard]] bool mayMeet(const Eigen::Vector3f& p_sensor, float range) const {
+    const Pixel& pixel = pixels_[cube_.pixelOf(p_sensor)];
+    if (pixel.shapes == 0) return false;
+    const float tolerance = toleranceAt(range);
+    return range >= pixel.near - tolerance && range <= pixel.far + std::max(tolerance, shadow_);
+  }
+  /// kReturn, kSelf or kShadow, as BodyFilter has it with the tolerance of that range.
+  [[nodiscard]] BeamKind classify(const Eigen::Vector3f& p_sensor, float range,
+                                  const CloudPlace& place);
+  /// How many points were taken for each shape since it was drawn.
+  [[nodiscard]] const std::vector<std::size_t>& selfCounts() const { return self_counts_; }
+
+ private:
+  struct Pixel {
+    std::uint64_t shapes = 0;  ///< bit k: shape k, k + 64 and so on may be met
+    float near = 0.0F;         ///< no shape is nearer [m]
+    float far = 0.0F;          ///< nor further
+  };
+  /// A shape of a sample, and what is asked of it again and again.
+  struct Prepared {
+    Shape shape, padded, grazed;
+    Pose T_shape_fixed;
+    Vector3 centre;
+    double padding;
+    double far;
+  };
+  struct Ball {
+    Vector3 centre;
+    double radius;
+  };
+  /// Five times the noise, as self_filter_range_tolerance_m is to be.
+  [[nodiscard]] float toleranceAt(float range) const {
+    return std::max(static_cast<float>(filter_.range_tolerance_m), 5.0F * noise_.at(range));
+  }
+  void prepare(const std::vector<BodySample>& samples);
+  void drawShape(std::size_t shape, const std::vector<BodySample>& samples,
+                 const std::vector<CloudPlace>& places);
+  void drawBall(std::size_t shape, const Ball& ball_sensor);
+  [[nodiscard]] BeamKind classify(const Prepared& shape, const Ray& ray, const Vector3& p_fixed,
+                                  double range, double tolerance) const;
+
+  DirectionCube cube_;
+  std::vector<Eigen::Vector3f> directions_;       ///< of the pixels
+  std::vector<Eigen::Vector3f> tile_directions_;  ///< of squares of pixels
+  std::vector<Pixel> pixels_;
+  BodyFilter filter_;
+  RangeNoise noise_;
+  float shadow_ = 0.0F;
+  std::size_t shapes_ = 0;
+  std::vector<Prepared> prepared_;  ///< sample by sample
+  std::vector<std::size_t> self_counts_;
+};
+
+}  // namespace tccm

@@ -1,0 +1,142 @@
+#include "scan/cloud_filters.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tccm {
+namespace {
+
+constexpr float kNoises = 6.0F;  // two ranges of one surface hardly ever differ by more
+
+/// The neighbours of one point along the row or the column.
+struct Neighbour {
+  std::size_t index;
+  bool exists;
+};
+
+class Neighbourhood {
+ public:
+  Neighbourhood(const FlyingPixelFilter& filter, const Cloud& cloud, const RangeNoise& noise,
+                const std::vector<float>& ranges)
+      : cloud_(cloud),
+        noise_(noise),
+        ranges_(ranges),
+        separation_(static_cast<float>(filter.separation_m)),
+        slope_squared_(static_cast<float>(filter.slope_max * filter.slope_max)) {}
+
+  [[nodiscard]] bool isFlying(std::size_t row, std::size_t column) const {
+    const std::size_t i = row * cloud_.width + column;
+    const float near = separation_ + kNoises * noise_.at(ranges_[i]);
+    const int left = side(i, {i - 1, column > 0}, near);
+    const int right = side(i, {i + 1, column + 1 < cloud_.width}, near);
+    const int above = side(i, {i - cloud_.width, row > 0}, near);
+    const int below = side(i, {i + cloud_.width, row + 1 < cloud_.height}, near);
+    if (left * right == -1 || above * below == -1) return true;
+    return left != kNear && right != kNear && above != kNear && below != kNear;
+  }
+
+ private:
+  static constexpr int kNear = 0, kNone = 2;  // else -1: before it, 1: behind it
+
+  [[nodiscard]] int side(std::size_t i, Neighbour neighbour, float near) const {
+    if (!neighbour.exists || ranges_[neighbour.index] == 0.0F) return kNone;
+    const float further = ranges_[neighbour.index] - ranges_[i];
+    if (std::abs(further) <= near) return kNear;
+    const float depth_squared = further * further;
+    const float across_squared =
+        (cloud_.points[neighbour.index] - cloud_.points[i]).squaredNorm() - depth_squared;
+    if (depth_squared <= slope_squared_ * across_squared) return kNear;
+    return further < 0.0F ? -1 : 1;
+  }
+
+  const Cloud& cloud_;
+  const RangeNoise& noise_;
+  const std::vector<float>& ranges_;
+  float separation_;
+  float slope_squared_;
+};
+
+}  // namespace
+
+void FlyingPixelFilter::describe(ParameterTable& table) {
+  table.add("flying_pixel_separation_m", &separation_m, "m", {0.0, 10.0},
+            "a point of an organised cloud further than this and six times the noise from its "
+            "neighbours on both sides is a flying pixel; 0: no filter");
+  table.add("flying_pixel_slope_max", &slope_max, "", {0.0, 1000.0},
+            "unless it lies with them on a surface that recedes by less than so many metres a "
+            "metre across");
+}
+
+void FlyingPixelFilter::apply(const Cloud& cloud, const RangeNoise& noise,
+                              CloudState& state) const {
+  if (separation_m == 0.0 || !cloud.organised()) return;
+  const Neighbourhood neighbours(*this, cloud, noise, state.ranges);
+  std::size_t i = 0;
+  for (std::size_t row = 0; row < cloud.height; ++row) {
+    for (std::size_t column = 0; column < cloud.width; ++column, ++i) {
+      if (state.kinds[i] != BeamKind::kReturn) continue;
+      if (neighbours.isFlying(row, column)) state.kinds[i] = BeamKind::kMixedPixel;
+    }
+  }
+}
+
+void SupportFilter::Config::describe(ParameterTable& table) {
+  table.add("support_voxel_m", &voxel_m, "m", {0.01, 10.0},
+            "points of a cloud that is not organised are counted in voxels of this edge");
+  table.add("support_points_min", &points_min, "points", {0.0, 100.0},
+            "where fewer lie in a point's voxel and the 26 around it, itself included, it is "
+            "dropped; 0: no filter");
+}
+
+std::uint64_t SupportFilter::keyOf(const Eigen::Vector3f& point) const {
+  constexpr float kMost = 1e6F;  // voxels, in 21 bits with a border to step over
+  const float per_metre = 1.0F / static_cast<float>(config_.voxel_m);
+  std::uint64_t key = 0;
+  for (int k = 0; k < 3; ++k) {
+    const float at = std::clamp(std::floor(point[k] * per_metre), -kMost, kMost) + kMost + 2.0F;
+    key = key << 21 | static_cast<std::uint64_t>(at);
+  }
+  return key;
+}
+
+SupportFilter::Voxel& SupportFilter::find(std::uint64_t key) {
+  std::size_t slot = (key * 0x9E3779B97F4A7C15ULL) >> 32 & mask_;
+  while (voxels_[slot].key != 0 && voxels_[slot].key != key) slot = (slot + 1) & mask_;
+  return voxels_[slot];
+}
+
+bool SupportFilter::isSupported(std::uint64_t key) {
+  std::size_t points = find(key).points;
+  if (points >= config_.points_min) return true;
+  for (const std::uint64_t x : {0ULL, 1ULL << 42, -1ULL << 42}) {
+    for (const std::uint64_t y : {0ULL, 1ULL << 21, -1ULL << 21}) {
+      for (const std::uint64_t z : {0ULL, 1ULL, -1ULL}) {
+        if (x == 0 && y == 0 && z == 0) continue;
+        points += find(key + x + y + z).points;
+        if (points >= config_.points_min) return true;
+      }
+    }
+  }
+  return false;
+}
+
+void SupportFilter::apply(const Cloud& cloud, CloudState& state) {
+  if (config_.points_min == 0 || cloud.organised()) return;
+  std::size_t slots = 1024;
+  while (slots < 2 * cloud.points.size()) slots *= 2;
+  voxels_.assign(slots, Voxel());
+  mask_ = slots - 1;
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    if (state.kinds[i] != BeamKind::kReturn) continue;
+    const std::uint64_t key = keyOf(cloud.points[i]);
+    Voxel& voxel = find(key);
+    voxel.key = key;
+    ++voxel.points;
+  }
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    if (state.kinds[i] != BeamKind::kReturn) continue;
+    if (!isSupported(keyOf(cloud.points[i]))) state.kinds[i] = BeamKind::kMixedPixel;
+  }
+}
+
+}  // namespace tccm

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "config/parameter_table.h"
+#include "scan/cloud.h"
+#include "scan/range_noise.h"
+#include "tccm_monitor/laser_scan.h"
+
+namespace tccm {
+
+/// What is known of each point of a cloud on its way through the filters.
+struct CloudState {
+  std::vector<float> ranges;    ///< [m]; 0: none was measured, or none that is believed
+  std::vector<BeamKind> kinds;  ///< kReturn until a filter takes it
+};
+
+/// Removes points in the air between two surfaces, which sensors make where one pixel or beam sees
+/// both, from organised clouds.
+struct FlyingPixelFilter {
+  double separation_m = 0.03;
+  double slope_max = 6.0;
+
+  void describe(ParameterTable& table);
+  /// Turns a return into kMixedPixel where its two neighbours in the row, or those in the column,
+  /// lie one before and one behind it, or where none of the four lies near it. Near is within the
+  /// separation and six times the noise, or on a surface no steeper than slope_max.
+  void apply(const Cloud& cloud, const RangeNoise& noise, CloudState& state) const;
+};
+
+/// Removes points that few others lie near, from clouds that are not organised. PCL's
+/// RadiusOutlierRemoval asks a tree for each point's neighbours; here points are counted by voxels,
+/// which costs a fiftieth or so: docs/performance.md.
+class SupportFilter {
+ public:
+  struct Config {
+    double voxel_m = 0.1;
+    std::size_t points_min = 3;
+
+    void describe(ParameterTable& table);
+  };
+
+  explicit SupportFilter(const Config& config) : config_(config) {}
+
+  /// Turns a return into kMixedPixel where in its voxel and the 26 around it there are fewer
+  /// measured points than wanted, itself included.
+  void apply(const Cloud& cloud, CloudState& state);
+
+ private:
+  struct Voxel {
+    std::uint64_t key = 0;  ///< 0: empty
+    std::uint32_t points = 0;
+  };
+  [[nodiscard]] std::uint64_t keyOf(const Eigen::Vector3f& point) const;
+  [[nodiscard]] Voxel& find(std::uint64_t key);
+  [[nodiscard]] bool isSupported(std::uint64_t key);
+
+  Config config_;
+  std::vector<Voxel> voxels_;  ///< a hash table of a power of two
+  std::size_t mask_ = 0;
+};
+
+}  // namespace tccm

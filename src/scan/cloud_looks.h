@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "config/parameter_table.h"
+#include "geometry/direction_cube.h"
+#include "scan/cloud_body_filter.h"
+#include "scan/cloud_filters.h"
+#include "sight/look.h"
+
+namespace tccm {
+
+/// One look for each block of neighbouring directions: the nearest range that was measured there
+/// tells how far it was seen, one point of the robot's makes it a look at the robot, and where most
+/// of it is unknown or was filtered out the direction alone is known.
+class CloudLooks {
+ public:
+  struct Config {
+    double block_rad = 0.0175;
+
+    void describe(ParameterTable& table);
+  };
+
+  explicit CloudLooks(const Config& config);
+
+  /// @param place_of the place of a point, by its index in the cloud. @param looks reused.
+  template <typename PlaceOf>
+  void take(const Cloud& cloud, const CloudState& state, const std::vector<CloudPlace>& places,
+            const PlaceOf& place_of, std::vector<Look>& looks) {
+    begin(cloud, state);
+    std::size_t i = 0;
+    for (std::size_t row = 0; row < cloud.height; ++row) {
+      for (std::size_t column = 0; column < cloud.width; ++column, ++i) {
+        const std::size_t block = cloud.organised() ? row_blocks_[row] + column_blocks_[column]
+                                                    : blockOf(cloud.points[i]);
+        if (block != kNoBlock)
+          add(block, cloud.points[i], state.ranges[i], state.kinds[i], place_of(i));
+      }
+    }
+    finish(cloud.organised(), places, looks);
+  }
+
+ private:
+  struct Block {
+    Eigen::Vector3f towards = Eigen::Vector3f::Zero();  ///< sum of unit vectors
+    float nearest = 0.0F;                               ///< [m]; 0: none measured
+    std::uint32_t kept = 0;
+    std::uint32_t doubtful = 0;  ///< unknown, or filtered out
+    std::uint32_t place = 0;     ///< of the nearest point
+    bool robot = false;
+  };
+  /// How many columns and rows of an organised cloud make a block.
+  struct Pitch {
+    std::size_t width, height;  ///< of the cloud
+    std::size_t columns, rows;
+  };
+  static constexpr std::size_t kNoBlock = static_cast<std::size_t>(-1);
+
+  void begin(const Cloud& cloud, const CloudState& state);
+  /// @return nothing where too few neighbours were measured to tell.
+  [[nodiscard]] std::optional<Pitch> pitchOf(const Cloud& cloud, const CloudState& state);
+  [[nodiscard]] std::optional<std::size_t> stepsInBlock(const Cloud& cloud, const CloudState& state,
+                                                        std::size_t stride);
+  void layOut(const Pitch& pitch);
+  [[nodiscard]] std::size_t blockOf(const Eigen::Vector3f& point) {
+    if (!isMeasured(point)) return kNoBlock;
+    const std::size_t pixel = cube_.pixelOf(point);
+    if (blocks_[pixel].kept + blocks_[pixel].doubtful == 0) touched_.push_back(pixel);
+    return pixel;
+  }
+  void add(std::size_t index, const Eigen::Vector3f& point, float range, BeamKind kind,
+           std::size_t place);
+  void finish(bool organised, const std::vector<CloudPlace>& places, std::vector<Look>& looks);
+  void finish(const Block& block, const Eigen::Vector3f& direction,
+              const std::vector<CloudPlace>& places, std::vector<Look>& looks) const;
+
+  Config config_;
+  DirectionCube cube_;
+  std::optional<Pitch> pitch_;
+  std::vector<std::size_t> column_blocks_, row_blocks_;  ///< of an organised cloud
+  std::vector<Block> blocks_;
+  std::vector<std::size_t> touched_;              ///< of a cloud that is not organised, in order
+  std::vector<Eigen::Vector3f> last_directions_;  ///< of an organised cloud's blocks, as last seen
+  std::vector<float> steps_;
+};
+
+}  // namespace tccm

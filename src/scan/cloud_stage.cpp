@@ -1,0 +1,143 @@
+#include "scan/cloud_stage.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/line_of.h"
+#include "tccm_monitor/config_error.h"
+
+namespace tccm {
+namespace {
+
+constexpr double kPlaceStep = 5e-4;  // [s]; at a hand's speed a sensor moves by half a millimetre
+
+}  // namespace
+
+void CloudStage::Config::describe(ParameterTable& table) {
+  table.add("self_filter", &self_filter,
+            "false: the robot is not filtered out, and need not be known");
+  body.describe(table);
+  body_filter.describe(table);
+  limits.describe(table);
+  table.add("range_min_m", &range_min_m, "m", {0.0, 100.0},
+            "a point nearer to the sensor says nothing");
+  table.add("range_max_m", &range_max_m, "m", {0.1, 1000.0},
+            "nor does one further away: what lies there is unknown, not free");
+  noise.describe(table);
+  flying.describe(table);
+  support.describe(table);
+  looks.describe(table);
+  table.add("cloud_unknown_fraction_max", &unknown_fraction_max, "", {0.0, 1.0},
+            "a cloud with a larger share of points without a range within the limits is dropped: "
+            "the sensor is blind");
+  table.add("future_max_s", &future_max_s, "s", {0.0, 10.0},
+            "a cloud or joint state stamped further ahead is dropped");
+}
+
+void CloudStage::Config::validate() const {
+  body.validate();
+  if (range_min_m < range_max_m) return;
+  throw ConfigError(lineOf("range_min_m, range_max_m: %.3g m has to be less than %.3g m",
+                           range_min_m, range_max_m));
+}
+
+CloudStage::CloudStage(const Config& config, std::shared_ptr<const RobotModel> model)
+    : config_(validated(config)),
+      robot_(config.body, config.self_filter ? std::move(model) : nullptr),
+      support_(config.support),
+      looks_(config.looks) {}
+
+bool CloudStage::addJoints(Time now, Time stamp, const std::vector<std::string>& names,
+                           const std::vector<double>& positions,
+                           const std::vector<double>& velocities) {
+  if (stamp - now > fromSeconds(config_.future_max_s)) return false;
+  if (robot_.body()) robot_.body()->joints().add(stamp, names, positions, velocities);
+  return true;
+}
+
+std::string CloudStage::assemble(const Cloud& cloud, const PosePath& T_fixed_sensor,
+                                 const std::vector<PosePath>& T_fixed_roots) {
+  std::string unknown = robot_.sample(cloud.first(), cloud.last(), T_fixed_roots);
+  if (!unknown.empty()) return unknown;
+  if (!place(cloud, T_fixed_sensor)) return "no_transform";
+  sortByRange(cloud);
+  const auto within = std::count(state_.kinds.begin(), state_.kinds.end(), BeamKind::kReturn);
+  const double unknown_share =
+      1.0 - static_cast<double>(within) / static_cast<double>(cloud.points.size());
+  if (within == 0 || unknown_share > config_.unknown_fraction_max) return "blind";
+  config_.flying.apply(cloud, config_.noise, state_);
+  support_.apply(cloud, state_);
+  filterBody(cloud);
+  takePoints(cloud);
+  looks_.take(
+      cloud, state_, places_, [&](std::size_t i) { return placeOf(cloud, i); }, returns_.looks);
+  return {};
+}
+
+/// Both ends and what is between, and of each the sample of the body that is nearest in time.
+bool CloudStage::place(const Cloud& cloud, const PosePath& T_fixed_sensor) {
+  if (!T_fixed_sensor.covers(cloud.first(), cloud.last())) return false;
+  const double duration = cloud.last_offset_s - cloud.first_offset_s;
+  places_.resize(1 + static_cast<std::size_t>(std::ceil(duration / kPlaceStep)));
+  const std::vector<BodySample>& samples = robot_.samples();
+  std::size_t nearest = 0;
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const Time time =
+        std::min(cloud.last(), cloud.first() + fromSeconds(kPlaceStep * static_cast<double>(i)));
+    const auto gap = [&](std::size_t k) { return std::chrono::abs(samples[k].stamp - time); };
+    while (nearest + 1 < samples.size() && gap(nearest + 1) <= gap(nearest)) ++nearest;
+    places_[i] = {*T_fixed_sensor.at(time), nearest};
+  }
+  return true;
+}
+
+std::size_t CloudStage::placeOf(const Cloud& cloud, std::size_t i) const {
+  if (places_.size() == 1) return 0;
+  const float since = cloud.offsets_s[i] - static_cast<float>(cloud.first_offset_s);
+  if (!(since > 0.0F)) return 0;
+  const auto nearest = static_cast<std::size_t>(since / static_cast<float>(kPlaceStep) + 0.5F);
+  return std::min(nearest, places_.size() - 1);
+}
+
+void CloudStage::sortByRange(const Cloud& cloud) {
+  state_.ranges.resize(cloud.points.size());
+  state_.kinds.resize(cloud.points.size());
+  const auto nearest = static_cast<float>(config_.range_min_m);
+  const auto furthest = static_cast<float>(config_.range_max_m);
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    const float range = cloud.points[i].norm();
+    const bool is_measured = range > 0.0F && range >= nearest && range <= furthest;  // no NaN
+    state_.ranges[i] = is_measured ? range : 0.0F;
+    state_.kinds[i] = is_measured                       ? BeamKind::kReturn
+                      : range > 0.0F && range < nearest ? BeamKind::kTooClose
+                                                        : BeamKind::kUnknown;
+  }
+}
+
+void CloudStage::filterBody(const Cloud& cloud) {
+  if (robot_.samples().empty()) return;
+  body_filter_.draw(config_.body_filter, config_.noise, robot_.samples(), places_);
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    if (state_.kinds[i] != BeamKind::kReturn) continue;
+    if (!body_filter_.mayMeet(cloud.points[i], state_.ranges[i])) continue;
+    state_.kinds[i] =
+        body_filter_.classify(cloud.points[i], state_.ranges[i], places_[placeOf(cloud, i)]);
+  }
+  robot_.count(body_filter_.selfCounts());
+}
+
+void CloudStage::takePoints(const Cloud& cloud) {
+  returns_.stamp = cloud.first();
+  returns_.tilt = 0.0;
+  returns_.viewpoint = places_.back().T_fixed_sensor.translation();
+  returns_.points.clear();
+  counts_ = {};
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    ++counts_[static_cast<std::size_t>(state_.kinds[i])];
+    if (state_.kinds[i] != BeamKind::kReturn) continue;
+    const Pose& T_fixed_sensor = places_[placeOf(cloud, i)].T_fixed_sensor;
+    returns_.points.emplace_back(T_fixed_sensor * cloud.points[i].cast<double>());
+  }
+}
+
+}  // namespace tccm
