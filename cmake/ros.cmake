@@ -11,7 +11,7 @@ find_package(catkin REQUIRED COMPONENTS
   sensor_msgs std_msgs std_srvs tf2 tf2_eigen tf2_msgs tf2_ros trajectory_msgs visualization_msgs)
 
 add_message_files(FILES
-  AttachedObject.msg AttachedObjects.msg Cuboid.msg CuboidFlag.msg CuboidMap.msg Exemption.msg
+  AttachedObject.msg AttachedObjects.msg CloudScan.msg Cuboid.msg CuboidFlag.msg CuboidMap.msg Exemption.msg
   LinkStatus.msg Looks.msg MonitorStatus.msg MotionPermission.msg Primitive.msg ScanReport.msg)
 add_service_files(FILES
   AddExemption.srv AttachObject.srv CheckState.srv CheckTrajectory.srv DetachObject.srv

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "check/checker_config.h"
+#include "cloud_assembler_config.h"
 #include "map/mapper.h"
 #include "scan/scan_stage.h"
 #include "tccm_monitor/monitor.h"
@@ -86,6 +87,7 @@ struct SensorConfig {
 struct MonitorConfig {
   RobotModel::Config robot;
   AssemblerConfig assembler;
+  CloudAssemblerConfig cloud_assembler;
   MapperConfig mapper;
   CheckerConfig checker;
   TopicConfig topics;
@@ -103,6 +105,7 @@ struct MonitorConfig {
           "where the offline programs find these in a bag; nodelets are remapped instead");
     visit(kRobotSection, robot, "what all nodelets have to know of the robot");
     visit("tilt_scan_assembler", assembler, "private parameters of the nodelet TiltScanAssembler");
+    visit("cloud_assembler", cloud_assembler, "private parameters of the nodelet CloudAssembler");
     visit("tccm_mapper", mapper, "private parameters of the nodelet TccmMapper");
     visit("collision_checker", checker, "private parameters of the nodelet CollisionChecker");
   }

@@ -13,20 +13,24 @@
 #include "map/place_ages.h"
 #include "nodelets/diagnosed_nodelet.h"
 #include "nodelets/markers.h"
+#include "ros/cloud_scan.h"
 #include "ros/conversions.h"
 #include "ros/server_config.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
 
-/// Nodelet: `scan_cloud` in; `cuboid_map` with every scan and `cuboid_markers` for whoever looks
-/// out.
+/// Nodelet: `scan_cloud` or `cloud_scan` in; `cuboid_map` with every scan and `cuboid_markers` for
+/// whoever looks out.
 class TccmMapper : public DiagnosedNodelet {
  public:
   TccmMapper() : DiagnosedNodelet("map") {}
   ~TccmMapper() override { end(); }
 
  private:
+  static constexpr const char* kLacksWindow =
+      "a camera or lidar has no tilt to measure a window by: set window_s above 0";
+
   void setUp() override {
     config_ = configFrom<MapperConfig>(privateNode());
     tellDifferences(privateNode(), config_);
@@ -39,18 +43,32 @@ class TccmMapper : public DiagnosedNodelet {
                  serve(node(), "get_cuboid_map", &TccmMapper::getCuboidMap, this)};
     marker_timer_ = timer(1.0 / config_.marker_rate_hz, [this] { publishMarkers(); });
     inputs_ = {hear("scan_cloud", 20, &TccmMapper::receiveCloud),
+               hear("cloud_scan", 20, &TccmMapper::receiveCloudScan),
                hear("attached_objects", 5, &TccmMapper::receiveAttached)};
   }
 
   void receiveCloud(const sensor_msgs::PointCloud2::ConstPtr& message) {
     const std::string defect = fromMessage(*message, returns_);
-    if (!defect.empty()) return drop(defect);
-    if (!frame_.empty() && message->header.frame_id != frame_) {
-      return drop("its frame is '" + message->header.frame_id + "', the map's is '" + frame_ + "'");
+    if (!defect.empty()) return drop("scan_cloud", defect);
+    add("scan_cloud", message->header.frame_id);
+  }
+
+  void receiveCloudScan(const tccm_monitor::CloudScan::ConstPtr& message) {
+    lacks_window_ = config_.mapper.window_s == 0.0 && config_.mapper.window_scans == 0;
+    if (lacks_window_) return drop("cloud_scan", kLacksWindow);
+    const std::string defect = fromMessage(*message, returns_);
+    if (!defect.empty()) return drop("cloud_scan", defect);
+    add("cloud_scan", message->header.frame_id);
+  }
+
+  /// What was read into returns_.
+  void add(const char* topic, const std::string& frame) {
+    if (!frame_.empty() && frame != frame_) {
+      return drop(topic, "its frame is '" + frame + "', the map's is '" + frame_ + "'");
     }
     const Mapper::Outcome outcome = mapper_->add(returns_);
-    if (!outcome.dropped.empty()) return drop(outcome.dropped);
-    frame_ = message->header.frame_id;
+    if (!outcome.dropped.empty()) return drop(topic, outcome.dropped);
+    frame_ = frame;
     ++mapped_;
     added_.mapped += outcome.added.mapped;
     added_.out_of_area += outcome.added.out_of_area;
@@ -58,9 +76,9 @@ class TccmMapper : public DiagnosedNodelet {
     ages_->follow(mapper_->map(), mapper_->looks());
   }
 
-  void drop(const std::string& reason) {
+  void drop(const char* topic, const std::string& reason) {
     ++dropped_;
-    NODELET_WARN_THROTTLE(5.0, "A scan_cloud was dropped: %s.", reason.c_str());
+    NODELET_WARN_THROTTLE(5.0, "A %s was dropped: %s.", topic, reason.c_str());
   }
 
   void receiveAttached(const tccm_monitor::AttachedObjects::ConstPtr& message) {
@@ -123,8 +141,10 @@ class TccmMapper : public DiagnosedNodelet {
 
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) override {
     using diagnostic_msgs::DiagnosticStatus;
-    if (mapped_ == 0) {
-      status.summary(DiagnosticStatus::ERROR, "no scan_cloud yet");
+    if (lacks_window_) {
+      status.summary(DiagnosticStatus::ERROR, kLacksWindow);
+    } else if (mapped_ == 0) {
+      status.summary(DiagnosticStatus::ERROR, "no scan_cloud and no cloud_scan yet");
     } else if (snapshot_.overflowed) {
       status.summary(DiagnosticStatus::ERROR,
                      "points are left out: raise window_returns_max or intervals_max");
@@ -142,7 +162,7 @@ class TccmMapper : public DiagnosedNodelet {
       status.summary(DiagnosticStatus::OK, "the map holds the whole window");
     }
     status.add("scans mapped", mapped_);
-    status.add("scan_clouds dropped", dropped_);
+    status.add("scans dropped", dropped_);
     status.add("points mapped", added_.mapped);
     status.add("points out of area", added_.out_of_area);
     status.add("points of attached objects forgotten", forgotten_);
@@ -167,6 +187,7 @@ class TccmMapper : public DiagnosedNodelet {
   ros::Time attached_stamp_;
   std::size_t mapped_ = 0;
   std::size_t dropped_ = 0;
+  bool lacks_window_ = false;
   std::size_t forgotten_ = 0;
   IntegrationMap::Added added_;
   ros::Publisher map_publisher_, marker_publisher_;

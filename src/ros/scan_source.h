@@ -19,22 +19,35 @@
 
 namespace tccm {
 
-/// Holds scans until transforms (and joint states, where a robot is filtered out) around all of
-/// their beams are there, or it is clear that they will not come. Scans leave in the order they
-/// came in; nothing waits.
-class ScanSource {
+// What a source asks of what it holds.
+[[nodiscard]] inline Time stampOf(const LaserScan& scan) { return scan.stamp; }
+[[nodiscard]] inline Time firstTimeOf(const LaserScan& scan) { return scan.stamp; }
+[[nodiscard]] inline Time lastTimeOf(const LaserScan& scan) { return scan.lastBeamTime(); }
+
+/// Holds scans, or clouds, until transforms (and joint states, where a robot is filtered out)
+/// around all of their beams are there, or it is clear that they will not come. Scans leave in the
+/// order they came in; nothing waits.
+template <typename Scan>
+class WaitingScans {
  public:
+  struct Config {
+    std::string fixed_frame;
+    double future_max_s;
+    double transform_sample_s;
+    double transform_wait_max_s;
+    std::size_t waiting_max = 100;  ///< more means that transforms never come
+  };
   /// @param root_frames those of the robot that is filtered out, in its model's order; none where
   /// no robot is.
-  ScanSource(const AssemblerConfig& config, const std::vector<std::string>& root_frames,
-             const TransformHistory& transforms)
+  WaitingScans(const Config& config, const std::vector<std::string>& root_frames,
+               const TransformHistory& transforms)
       : config_(config), root_frames_(root_frames), transforms_(transforms) {
     config_.fixed_frame = withoutSlash(config.fixed_frame);
   }
 
   /// A scan with all that is needed to place its beams.
   struct Ready {
-    LaserScan scan;
+    Scan scan;
     std::string frame;
     Time arrival;
     PosePath T_fixed_sensor;
@@ -44,23 +57,23 @@ class ScanSource {
   /// Called for each scan that is dropped.
   void onDrop(std::function<void(const ScanReport&)> told) { told_ = std::move(told); }
 
-  /// A scan that cannot be projected at all, is stamped in the future or has another frame than the
-  /// one before is dropped here.
-  void add(LaserScan scan, const std::string& frame, Time arrival) {
+  /// A scan that has a defect, is stamped in the future or has another frame than the one before
+  /// is dropped here. @param defect why it cannot be used at all; empty where it can.
+  void add(Scan scan, const std::string& frame, Time arrival, const std::string& defect) {
     const std::string from = withoutSlash(frame), before = std::exchange(frame_, from);
-    const std::string defect = defectOf(scan, config_.scan.assembler.scan_beams_max);
-    if (!defect.empty()) return countDrop(scan.stamp, "malformed", defect);
+    const Time stamp = stampOf(scan);
+    if (!defect.empty()) return countDrop(stamp, "malformed", defect);
     if (!before.empty() && before != from) {
-      return countDrop(scan.stamp, "frame_changed",
+      return countDrop(stamp, "frame_changed",
                        "a scan's frame is '" + from + "', that of the scan before was '" + before +
                            "': let each sensor have a topic of its own");
     }
-    if (scan.stamp - arrival > fromSeconds(config_.scan.future_max_s)) {
-      return countDrop(scan.stamp, "future_stamp", stampText(scan.stamp, arrival));
+    if (stamp - arrival > fromSeconds(config_.future_max_s)) {
+      return countDrop(stamp, "future_stamp", stampText(stamp, arrival));
     }
-    if (waiting_.size() == kWaitingMax) {
+    if (waiting_.size() == config_.waiting_max) {
       const Ready& oldest = waiting_.front();
-      countDrop(oldest.scan.stamp, "no_transform", whyNotPlaced(oldest, arrival));
+      countDrop(stampOf(oldest.scan), "no_transform", whyNotPlaced(oldest, arrival));
       waiting_.pop_front();
     }
     waiting_.push_back({std::move(scan), from, arrival, {}, {}});
@@ -77,7 +90,7 @@ class ScanSource {
     for (; !waiting_.empty(); waiting_.pop_front()) {
       Ready& scan = waiting_.front();
       if (now < scan.arrival) {  // time began anew
-        countDrop(scan.scan.stamp, "time_jump", "time jumped back while it waited");
+        countDrop(stampOf(scan.scan), "time_jump", "time jumped back while it waited");
         continue;
       }
       const Status status = place(scan, joints);
@@ -89,10 +102,10 @@ class ScanSource {
       }
       const bool joints_missing = status == Status::kNotYet && !covers(joints, scan.scan);
       if (joints_missing) {
-        countDrop(scan.scan.stamp, "no_joint_states",
-                  "no joint states around its beams came; " + stampText(scan.scan.stamp, now));
+        countDrop(stampOf(scan.scan), "no_joint_states",
+                  "no joint states around its beams came; " + stampText(stampOf(scan.scan), now));
       } else {
-        countDrop(scan.scan.stamp, TransformHistory::name(status), whyNotPlaced(scan, now));
+        countDrop(stampOf(scan.scan), TransformHistory::name(status), whyNotPlaced(scan, now));
       }
     }
     return nullptr;
@@ -101,12 +114,12 @@ class ScanSource {
   void drain(const JointStates* joints) {
     for (const Ready& scan : waiting_) {
       if (!covers(joints, scan.scan)) {
-        countDrop(scan.scan.stamp, "no_joint_states",
+        countDrop(stampOf(scan.scan), "no_joint_states",
                   "the recording ended before joint states around its beams came");
         continue;
       }
       const std::string unknown = unknownFrame(scan);
-      countDrop(scan.scan.stamp, "no_transform",
+      countDrop(stampOf(scan.scan), "no_transform",
                 unknown.empty() ? "the recording ended before its transforms came" : unknown);
     }
     waiting_.clear();
@@ -125,12 +138,11 @@ class ScanSource {
 
  private:
   using Status = TransformHistory::Status;
-  static constexpr std::size_t kWaitingMax = 100;  // scans; more means that transforms never come
 
-  static bool covers(const JointStates* joints, const LaserScan& scan) {
+  static bool covers(const JointStates* joints, const Scan& scan) {
     if (!joints) return true;
     const auto until = joints->answersUntil();
-    return until && *until >= scan.lastBeamTime();
+    return until && *until >= lastTimeOf(scan);
   }
 
   /// For people; empty where tf has both frames.
@@ -145,15 +157,15 @@ class ScanSource {
     const std::string unknown = unknownFrame(scan);
     if (!unknown.empty()) return unknown;
     return "tf cannot place its frame '" + scan.frame + "' in '" + config_.fixed_frame +
-           "' at its time; " + stampText(scan.scan.stamp, now);
+           "' at its time; " + stampText(stampOf(scan.scan), now);
   }
 
   /// Fills in the poses. @return kFound, kNotYet where waiting may help, or why it cannot.
   [[nodiscard]] Status place(Ready& scan, const JointStates* joints) const {
     if (!covers(joints, scan.scan)) return Status::kNotYet;
     const auto placeFrame = [&](const std::string& frame, PosePath& path) {
-      return transforms_.path(config_.fixed_frame, frame, scan.scan.stamp, scan.scan.lastBeamTime(),
-                              fromSeconds(config_.transform_sample_s), path);
+      return transforms_.path(config_.fixed_frame, frame, firstTimeOf(scan.scan),
+                              lastTimeOf(scan.scan), fromSeconds(config_.transform_sample_s), path);
     };
     scan.T_fixed_roots.resize(root_frames_.size());
     for (std::size_t i = 0; joints && i < root_frames_.size(); ++i) {
@@ -163,7 +175,7 @@ class ScanSource {
     return placeFrame(scan.frame, scan.T_fixed_sensor);
   }
 
-  AssemblerConfig config_;
+  Config config_;
   std::vector<std::string> root_frames_;
   const TransformHistory& transforms_;
   std::deque<Ready> waiting_;
@@ -172,6 +184,27 @@ class ScanSource {
   std::size_t dropped_count_ = 0;
   std::function<void(const ScanReport&)> told_;
   std::string frame_;  ///< of the newest scan
+};
+
+/// Those of a laser.
+class ScanSource : public WaitingScans<LaserScan> {
+ public:
+  ScanSource(const AssemblerConfig& config, const std::vector<std::string>& root_frames,
+             const TransformHistory& transforms)
+      : WaitingScans({config.fixed_frame, config.scan.future_max_s, config.transform_sample_s,
+                      config.transform_wait_max_s},
+                     root_frames, transforms),
+        beams_max_(config.scan.assembler.scan_beams_max) {}
+
+  /// A scan that cannot be projected at all, is stamped in the future or has another frame than the
+  /// one before is dropped here.
+  void add(LaserScan scan, const std::string& frame, Time arrival) {
+    const std::string defect = defectOf(scan, beams_max_);
+    WaitingScans::add(std::move(scan), frame, arrival, defect);
+  }
+
+ private:
+  std::size_t beams_max_;
 };
 
 }  // namespace tccm
