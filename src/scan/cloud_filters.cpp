@@ -90,11 +90,14 @@ void SupportFilter::Config::describe(ParameterTable& table) {
 
 std::uint64_t SupportFilter::keyOf(const Eigen::Vector3f& point) const {
   constexpr float kMost = 1e6F;  // voxels, in 21 bits with a border to step over
+  constexpr int kMiddle = 1 << 20;
   const float per_metre = 1.0F / static_cast<float>(config_.voxel_m);
   std::uint64_t key = 0;
   for (int k = 0; k < 3; ++k) {
-    const float at = std::clamp(std::floor(point[k] * per_metre), -kMost, kMost) + kMost + 2.0F;
-    key = key << 21 | static_cast<std::uint64_t>(at);
+    const float at = std::clamp(point[k] * per_metre, -kMost, kMost);
+    const int truncated = static_cast<int>(at);  // std::floor is a call, and takes longer than all
+    const int voxel = truncated - (static_cast<float>(truncated) > at ? 1 : 0);
+    key = key << 21 | static_cast<std::uint64_t>(voxel + kMiddle);
   }
   return key;
 }
@@ -120,22 +123,52 @@ bool SupportFilter::isSupported(std::uint64_t key) {
   return false;
 }
 
+SupportFilter::Voxel& SupportFilter::insert(std::uint64_t key) {
+  Voxel* voxel = &find(key);
+  if (voxel->key != 0) return *voxel;
+  if (2 * (occupied_ + 1) > voxels_.size()) {
+    grow();
+    voxel = &find(key);
+  }
+  ++occupied_;
+  voxel->key = key;
+  return *voxel;
+}
+
+/// As large as any cloud needed so far: a cloud like those before allocates nothing.
+void SupportFilter::grow() {
+  constexpr std::size_t kFirst = 4096;
+  const std::vector<Voxel> old = std::move(voxels_);
+  voxels_.assign(std::max(kFirst, 2 * old.size()), Voxel());
+  mask_ = voxels_.size() - 1;
+  for (const Voxel& voxel : old) {
+    if (voxel.key != 0) find(voxel.key) = voxel;
+  }
+}
+
 void SupportFilter::apply(const Cloud& cloud, CloudState& state) {
   if (config_.points_min == 0 || cloud.organised()) return;
-  std::size_t slots = 1024;
-  while (slots < 2 * cloud.points.size()) slots *= 2;
-  voxels_.assign(slots, Voxel());
-  mask_ = slots - 1;
+  if (voxels_.empty()) grow();
+  std::fill(voxels_.begin(), voxels_.end(), Voxel());
+  occupied_ = 0;
+  // Points that follow one another often share a voxel.
+  std::uint64_t last = 0;
+  Voxel* voxel = nullptr;
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
     if (state.kinds[i] != BeamKind::kReturn) continue;
     const std::uint64_t key = keyOf(cloud.points[i]);
-    Voxel& voxel = find(key);
-    voxel.key = key;
-    ++voxel.points;
+    if (key != last) voxel = &insert(key);
+    last = key;
+    ++voxel->points;
   }
+  last = 0;
+  bool is_supported = false;
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
     if (state.kinds[i] != BeamKind::kReturn) continue;
-    if (!isSupported(keyOf(cloud.points[i]))) state.kinds[i] = BeamKind::kMixedPixel;
+    const std::uint64_t key = keyOf(cloud.points[i]);
+    if (key != last) is_supported = isSupported(key);
+    last = key;
+    if (!is_supported) state.kinds[i] = BeamKind::kMixedPixel;
   }
 }
 

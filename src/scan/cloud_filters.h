@@ -30,9 +30,9 @@ struct FlyingPixelFilter {
   void apply(const Cloud& cloud, const RangeNoise& noise, CloudState& state) const;
 };
 
-/// Removes points that few others lie near, from clouds that are not organised. PCL's
-/// RadiusOutlierRemoval asks a tree for each point's neighbours; here points are counted by voxels,
-/// which costs a fiftieth or so: docs/performance.md.
+/// Removes points that few others lie near, from clouds that are not organised. Points are counted
+/// by voxels: to ask a tree for each point's neighbours, as PCL's RadiusOutlierRemoval does, costs
+/// a hundred times as much (docs/performance.md).
 class SupportFilter {
  public:
   struct Config {
@@ -55,11 +55,14 @@ class SupportFilter {
   };
   [[nodiscard]] std::uint64_t keyOf(const Eigen::Vector3f& point) const;
   [[nodiscard]] Voxel& find(std::uint64_t key);
+  Voxel& insert(std::uint64_t key);
+  void grow();
   [[nodiscard]] bool isSupported(std::uint64_t key);
 
   Config config_;
-  std::vector<Voxel> voxels_;  ///< a hash table of a power of two
+  std::vector<Voxel> voxels_;  ///< a hash table of a power of two, half full at most
   std::size_t mask_ = 0;
+  std::size_t occupied_ = 0;
 };
 
 }  // namespace tccm

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
 #include <functional>
 
 #include "support/driver_clouds.h"
@@ -50,6 +51,35 @@ TEST(CloudReaderTest, OfEachDriverPointsAndTimesAreRead) {
     const double last = times.empty() ? 0.0 : *std::max_element(times.begin(), times.end());
     EXPECT_NEAR(toSeconds(cloud.first() - cloud.stamp), first, 2e-4) << driver.driver;
     EXPECT_NEAR(toSeconds(cloud.last() - cloud.stamp), last, 2e-4) << driver.driver;
+  }
+}
+
+TEST(CloudReaderTest, ThePageOnSensorsHasEachDriversFieldsAndTime) {
+  std::ifstream file(std::string(TCCM_SOURCE_DIR) + "/docs/sensors.md");
+  std::vector<std::string> rows;
+  for (std::string line; std::getline(file, line);) {
+    if (line.rfind("| ", 0) == 0) rows.push_back(line);
+  }
+  const std::pair<const char*, DriverCloud> drivers[] = {
+      {"| RealSense |", test::realSenseCloud()},
+      {"| Kinect |", test::kinectCloud()},
+      {"| any depth image |", test::depthImageCloud()},
+      {"| Velodyne |", test::velodyneCloud()},
+      {"| Ouster |", test::ousterCloud()},
+      {"| Livox |", test::livoxCloud()},
+      {"| Hesai, RoboSense |", test::hesaiCloud()}};
+  for (const auto& [begin, driver] : drivers) {
+    std::string fields = "|", time = "none: all at the stamp";
+    for (const PointField& field : driver.message.fields) {
+      fields += " " + field.name;
+      if (field.name[0] == 't' && field.name != "tag") time = "`" + field.name + "`";
+    }
+    const auto row = std::find_if(
+        rows.begin(), rows.end(),
+        [begin = begin](const std::string& line) { return line.rfind(begin, 0) == 0; });
+    ASSERT_NE(row, rows.end()) << begin;
+    EXPECT_NE(row->find(fields + " | " + time), std::string::npos)
+        << *row << "\nshould have " << fields << " | " << time;
   }
 }
 
