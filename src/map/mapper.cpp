@@ -205,14 +205,15 @@ void Mapper::followTilt(Time stamp, double tilt) {
   unbroken_since_ = stamp;
 }
 
+/// By looks alone: a scan has one for each return, a cloud one for each block of directions.
 void Mapper::countSelf(const ScanReturns& scan) {
-  const auto lies_inside = [this](const Vector3& p) { return map_.grid().place(p).has_value(); };
-  std::size_t self = 0;
+  std::size_t self = 0, others = 0;
   for (const Look& look : scan.looks) {
-    if (look.what == Seen::kRobot && lies_inside(look.end)) ++self;
+    if (look.what != Seen::kRobot && look.what != Seen::kSurface) continue;
+    if (!map_.grid().place(look.end)) continue;
+    ++(look.what == Seen::kRobot ? self : others);
   }
-  const auto others = std::count_if(scan.points.begin(), scan.points.end(), lies_inside);
-  self_share_.add(scan.stamp, self, static_cast<std::size_t>(others), lookPeriod());
+  self_share_.add(scan.stamp, self, others, lookPeriod());
 }
 
 std::optional<Duration> Mapper::window() const {

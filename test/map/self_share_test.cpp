@@ -80,11 +80,28 @@ TEST(SelfShareTest, TheMapHasThatOfItsArea) {
     for (int k = 0; k < 500; ++k) scan.looks.push_back({viewpoint, outside, Seen::kRobot});
     scan.points.assign(20, inside);
     scan.points.resize(300, outside);
+    for (const Vector3& p : scan.points) scan.looks.push_back({viewpoint, p, Seen::kSurface});
     mapper.add(scan);
   }
   EXPECT_DOUBLE_EQ(test::snapshotOf(mapper).self_share.value(), 0.75);
   mapper.clear();
   EXPECT_FALSE(test::snapshotOf(mapper).self_share);
+}
+
+TEST(SelfShareTest, OfACloudWithALookForManyPointsLooksAreComparedWithLooks) {
+  Mapper::Config config = test::smallMapper();
+  config.window_s = 1.0;
+  Mapper mapper(config);
+  const Vector3 inside(0.05, 0.05, 0.5), viewpoint(0.0, 0.0, 1.0);
+  for (int i = 0; i < 100; ++i) {
+    ScanReturns scan;
+    scan.stamp = atScan(i);
+    for (int k = 0; k < 57; ++k) scan.looks.push_back({viewpoint, inside, Seen::kRobot});
+    for (int k = 0; k < 3; ++k) scan.looks.push_back({viewpoint, inside, Seen::kSurface});
+    scan.points.assign(100, inside);
+    mapper.add(scan);
+  }
+  EXPECT_DOUBLE_EQ(test::snapshotOf(mapper).self_share.value(), 0.95);
 }
 
 }  // namespace
