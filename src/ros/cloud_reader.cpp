@@ -190,6 +190,18 @@ std::string CloudReader::defectOfSizes(const PointCloud2& message, Layout& layou
   return {};
 }
 
+std::optional<CloudReader::Clock> CloudReader::clockOf(const PointField& field) {
+  const auto is = [&field](const char* name, std::uint8_t type) {
+    return field.name == name && field.datatype == type;
+  };
+  if (is("t", PointField::UINT32) || is("offset_time", PointField::UINT32)) {
+    return Clock::kNanosecondsFromStamp;
+  }
+  if (is("time", PointField::FLOAT32)) return Clock::kSecondsFromStamp;
+  if (is("timestamp", PointField::FLOAT64)) return Clock::kAbsolute;
+  return std::nullopt;
+}
+
 std::string CloudReader::findFields(const PointCloud2& message, Layout& layout) const {
   constexpr const char* kNames[3] = {"x", "y", "z"};
   for (const PointField& field : message.fields) {
@@ -203,18 +215,9 @@ std::string CloudReader::findFields(const PointCloud2& message, Layout& layout) 
       return "it has two fields of time, " + quoted(*layout.time->field) + " and " + quoted(field) +
              ": which one counts is not known";
     }
-    const auto is = [&](const char* name, std::uint8_t type) {
-      return field.name == name && field.datatype == type;
-    };
-    if (is("t", PointField::UINT32) || is("offset_time", PointField::UINT32)) {
-      layout.time = TimeField{&field, Clock::kNanosecondsFromStamp};
-    } else if (is("time", PointField::FLOAT32)) {
-      layout.time = TimeField{&field, Clock::kSecondsFromStamp};
-    } else if (is("timestamp", PointField::FLOAT64)) {
-      layout.time = TimeField{&field, Clock::kAbsolute};
-    } else {
-      return described(field) + " is no time that is understood: " + kUnderstoodTimes;
-    }
+    const auto clock = clockOf(field);
+    if (!clock) return described(field) + " is no time that is understood: " + kUnderstoodTimes;
+    layout.time = TimeField{&field, *clock};
   }
   const PointField* needed[4] = {layout.xyz[0], layout.xyz[1], layout.xyz[2],
                                  layout.time ? layout.time->field : nullptr};

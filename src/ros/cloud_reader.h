@@ -39,6 +39,8 @@ class CloudReader {
     std::optional<TimeField> time;
     std::size_t row_step = 0;
   };
+  /// @return nothing where no such time is understood.
+  [[nodiscard]] static std::optional<Clock> clockOf(const sensor_msgs::PointField& field);
   [[nodiscard]] std::string findFields(const sensor_msgs::PointCloud2& message,
                                        Layout& layout) const;
   [[nodiscard]] std::string defectOfSizes(const sensor_msgs::PointCloud2& message,
