@@ -95,7 +95,8 @@ std::size_t CloudStage::placeOf(const Cloud& cloud, std::size_t i) const {
   if (places_.size() == 1) return 0;
   const float since = cloud.offsets_s[i] - static_cast<float>(cloud.first_offset_s);
   if (!(since > 0.0F)) return 0;
-  const auto nearest = static_cast<std::size_t>(since / static_cast<float>(kPlaceStep) + 0.5F);
+  constexpr auto kStep = static_cast<float>(kPlaceStep);
+  const auto nearest = static_cast<std::size_t>((since + 0.5F * kStep) / kStep);
   return std::min(nearest, places_.size() - 1);
 }
 
