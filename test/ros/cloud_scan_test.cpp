@@ -37,8 +37,10 @@ TEST(CloudScanTest, PointsAndLooksComeBack) {
     const ScanReturns returns = anyReturns(random, moving);
     toMessage(returns, "base", message);
     EXPECT_EQ(message.header.frame_id, "base");
-    if (!moving) EXPECT_EQ(message.look_viewpoints.size(), 1U);
-    if (!moving) EXPECT_TRUE(message.look_origins.empty());
+    if (!moving) {
+      EXPECT_EQ(message.look_viewpoints.size(), 1U);
+      EXPECT_TRUE(message.look_origins.empty());
+    }
     ASSERT_EQ(fromMessage(message, back), "") << seed;
     EXPECT_EQ(back.stamp, returns.stamp);
     EXPECT_TRUE(isNearly(back.viewpoint, returns.viewpoint, 0.0));
