@@ -18,21 +18,37 @@ void requireFrame(const std::string& frame) {
 
 }  // namespace
 
-void AssemblerConfig::describe(ParameterTable& table) {
-  table.add("fixed_frame", &fixed_frame, "frame of `scan_cloud` and map, z up");
-  scan.describe(table);
+void PlacingConfig::describe(ParameterTable& table) {
+  table.add("fixed_frame", &fixed_frame, "frame of the map, z up");
   table.add("transform_gap_max_s", &transform_gap_max_s, "s", {0.001, 10.0},
             "transforms are not interpolated across a longer gap");
   table.add("transform_sample_s", &transform_sample_s, "s", {1e-4, 1.0},
-            "how often the sensor's pose is looked up within a scan");
+            "how often the sensor's pose is looked up within a scan or cloud");
   table.add("transform_wait_max_s", &transform_wait_max_s, "s", {0.001, 10.0},
-            "a scan that waits longer for transforms or joint states is dropped");
+            "what waits longer for transforms or joint states is dropped");
   table.add("marker_rate_hz", &marker_rate_hz, "Hz", kMarkerRates, "of `self_filter_markers`");
 }
 
+void PlacingConfig::validate() const { requireFrame(fixed_frame); }
+
+void AssemblerConfig::describe(ParameterTable& table) {
+  PlacingConfig::describe(table);
+  scan.describe(table);
+}
+
 void AssemblerConfig::validate() const {
-  requireFrame(fixed_frame);
+  PlacingConfig::validate();
   scan.validate();
+}
+
+void CloudAssemblerConfig::describe(ParameterTable& table) {
+  PlacingConfig::describe(table);
+  cloud.describe(table);
+}
+
+void CloudAssemblerConfig::validate() const {
+  PlacingConfig::validate();
+  cloud.validate();
 }
 
 void MapperConfig::describe(ParameterTable& table) {
@@ -75,19 +91,23 @@ void TopicConfig::describe(ParameterTable& table) {
 }
 
 void SensorConfig::describe(ParameterTable& table) {
-  table.add("topic", &topic, "of its scans (sensor_msgs/LaserScan)");
+  table.add("topic", &topic,
+            "of its scans (sensor_msgs/LaserScan), or clouds (sensor_msgs/PointCloud2)");
 }
 
 std::vector<SensorConfig> MonitorConfig::sensors() const {
   if (!named_sensors.empty()) return named_sensors;
-  return {{"", topics.scan, assembler, mapper}};
+  return {{"", topics.scan, assembler, std::nullopt, mapper}};
 }
 
 Monitor::Config MonitorConfig::monitor() const {
   Monitor::Config config;
   config.sensors.clear();
   for (const SensorConfig& sensor : sensors()) {
-    config.sensors.push_back({sensor.assembler.scan, sensor.mapper.mapper});
+    Monitor::Config::Sensor& stages = config.sensors.emplace_back();
+    stages.scan = sensor.assembler.scan;
+    if (sensor.cloud_assembler) stages.cloud = sensor.cloud_assembler->cloud;
+    stages.mapper = sensor.mapper.mapper;
   }
   config.checker = checker.checker;
   return config;
@@ -103,6 +123,14 @@ void loadAll(const YAML::Node& node, const std::string& owner, Config& config) {
   throw ConfigError(owner + "/" + unknown.front() + ": there is no such parameter");
 }
 
+/// Takes one of a sensor's sections out of it.
+template <typename Config>
+void takeSection(YAML::Node& sensor, const std::string& owner, const std::string& name,
+                 Config& config) {
+  loadAll(sensor[name], owner + "/" + name, config);
+  sensor.remove(name);
+}
+
 /// A named sensor's section.
 SensorConfig readSensor(YAML::Node section, const std::string& name) {
   if (!section || !section.IsMap()) {
@@ -110,22 +138,34 @@ SensorConfig readSensor(YAML::Node section, const std::string& name) {
   }
   SensorConfig sensor;
   sensor.name = name;
-  loadAll(section["tilt_scan_assembler"], name + "/tilt_scan_assembler", sensor.assembler);
-  loadAll(section["tccm_mapper"], name + "/tccm_mapper", sensor.mapper);
-  section.remove("tilt_scan_assembler");
-  section.remove("tccm_mapper");
+  if (section[SensorConfig::kCloudAssembler]) {
+    if (section[SensorConfig::kScanAssembler]) {
+      throw ConfigError(name +
+                        ": it has tilt_scan_assembler and cloud_assembler; keep the one for " +
+                        "what it publishes, scans or clouds");
+    }
+    takeSection(section, name, SensorConfig::kCloudAssembler, sensor.cloud_assembler.emplace());
+  } else {
+    takeSection(section, name, SensorConfig::kScanAssembler, sensor.assembler);
+  }
+  takeSection(section, name, SensorConfig::kMapper, sensor.mapper);
   loadAll(section, name, sensor);
   if (sensor.topic.empty()) throw ConfigError(name + "/topic: it is not set");
   return sensor;
 }
 
+bool isOfASensor(const std::string& section) {
+  return section == SensorConfig::kScanAssembler || section == SensorConfig::kCloudAssembler ||
+         section == SensorConfig::kMapper;
+}
+
 /// @throws ConfigError where one names another than the checker.
 void requireOneFrame(const MonitorConfig& config) {
   for (const SensorConfig& sensor : config.sensors()) {
-    if (sensor.assembler.fixed_frame == config.checker.fixed_frame) continue;
+    if (sensor.placing().fixed_frame == config.checker.fixed_frame) continue;
     const std::string owner = sensor.name.empty() ? "" : sensor.name + "/";
-    throw ConfigError("fixed_frame: " + owner +
-                      "tilt_scan_assembler and collision_checker name different ones");
+    throw ConfigError("fixed_frame: " + owner + sensor.assemblerName() +
+                      " and collision_checker name different ones");
   }
 }
 
@@ -151,12 +191,17 @@ MonitorConfig readMonitorConfig(const std::string& path) {
   }
   for (const auto& entry : file) {
     const auto name = entry.first.as<std::string>();
-    if (!config.named_sensors.empty() && (name == "tilt_scan_assembler" || name == "tccm_mapper")) {
+    if (!config.named_sensors.empty() && isOfASensor(name)) {
       throw ConfigError(path + ": with `sensors` each has '" + name + "' in its own section");
     }
     if (std::find(sections.begin(), sections.end(), name) != sections.end()) continue;
     throw ConfigError(path + ": '" + name +
                       "' names no nodelet and no sensor, nor is it monitored_robot or topics");
+  }
+  if (config.named_sensors.empty() && !differencesFromDefaults(config.cloud_assembler).empty()) {
+    throw ConfigError(path +
+                      ": cloud_assembler: it is no sensor's; name the camera or lidar in "
+                      "collision_checker/sensors, and give it a section of that name");
   }
   requireOneFrame(config);
   config.checker.checker.inputs.fixed_frame = config.checker.fixed_frame;

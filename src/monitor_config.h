@@ -1,11 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "check/checker_config.h"
-#include "cloud_assembler_config.h"
 #include "map/mapper.h"
+#include "scan/cloud_stage.h"
 #include "scan/scan_stage.h"
 #include "tccm_monitor/monitor.h"
 
@@ -15,6 +16,7 @@ struct Monitor::Config {
   /// The stages of one sensor.
   struct Sensor {
     ScanStage::Config scan;
+    std::optional<CloudStage::Config> cloud{};  ///< of a camera or lidar, which `scan` is not of
     Mapper::Config mapper;
   };
   std::vector<Sensor> sensors{Sensor()};  ///< in the order of the checker's; one at least
@@ -24,13 +26,29 @@ struct Monitor::Config {
 // What each nodelet is configured with, and what all have to know of the robot: a section of a YAML
 // file, or a private namespace of the parameter server.
 
-struct AssemblerConfig {
+/// Where and when an assembler asks for the sensor's pose.
+struct PlacingConfig {
   std::string fixed_frame = "base_link";
-  ScanStage::Config scan;
   double transform_gap_max_s = 0.1;
   double transform_sample_s = 0.004;
   double transform_wait_max_s = 0.5;
   double marker_rate_hz = 10.0;
+
+  void describe(ParameterTable& table);
+  /// @throws ConfigError
+  void validate() const;
+};
+
+struct AssemblerConfig : PlacingConfig {
+  ScanStage::Config scan;
+
+  void describe(ParameterTable& table);
+  /// @throws ConfigError
+  void validate() const;
+};
+
+struct CloudAssemblerConfig : PlacingConfig {
+  CloudStage::Config cloud;
 
   void describe(ParameterTable& table);
   /// @throws ConfigError
@@ -76,10 +94,23 @@ struct TopicConfig {
 /// What belongs to one sensor: a section of the file that has its name, and a namespace.
 struct SensorConfig {
   std::string name;   ///< empty: it is the only one, and its sections stand at the top
-  std::string topic;  ///< of its scans
+  std::string topic;  ///< of its scans or clouds
   AssemblerConfig assembler;
+  std::optional<CloudAssemblerConfig> cloud_assembler{};  ///< in place of it: a camera or lidar
   MapperConfig mapper;
 
+  static constexpr const char* kScanAssembler = "tilt_scan_assembler";
+  static constexpr const char* kCloudAssembler = "cloud_assembler";
+  static constexpr const char* kMapper = "tccm_mapper";
+
+  /// Of the assembler that it has.
+  [[nodiscard]] const PlacingConfig& placing() const {
+    if (cloud_assembler) return *cloud_assembler;
+    return assembler;
+  }
+  [[nodiscard]] const char* assemblerName() const {
+    return cloud_assembler ? kCloudAssembler : kScanAssembler;
+  }
   void describe(ParameterTable& table);
 };
 
@@ -104,9 +135,11 @@ struct MonitorConfig {
     visit("topics", topics,
           "where the offline programs find these in a bag; nodelets are remapped instead");
     visit(kRobotSection, robot, "what all nodelets have to know of the robot");
-    visit("tilt_scan_assembler", assembler, "private parameters of the nodelet TiltScanAssembler");
-    visit("cloud_assembler", cloud_assembler, "private parameters of the nodelet CloudAssembler");
-    visit("tccm_mapper", mapper, "private parameters of the nodelet TccmMapper");
+    visit(SensorConfig::kScanAssembler, assembler,
+          "private parameters of the nodelet TiltScanAssembler");
+    visit(SensorConfig::kCloudAssembler, cloud_assembler,
+          "private parameters of the nodelet CloudAssembler");
+    visit(SensorConfig::kMapper, mapper, "private parameters of the nodelet TccmMapper");
     visit("collision_checker", checker, "private parameters of the nodelet CollisionChecker");
   }
   /// Name of the section, and of the namespace, that all nodelets share.

@@ -12,6 +12,7 @@ namespace tccm {
 namespace {
 
 constexpr const char* kScanType = "sensor_msgs/LaserScan";
+constexpr const char* kCloudType = "sensor_msgs/PointCloud2";
 constexpr const char* kJointStateType = "sensor_msgs/JointState";
 const std::vector<std::string> kMovingTransforms{"/tf", "tf"};
 const std::vector<std::string> kStaticTransforms{"/tf_static", "tf_static"};
@@ -53,7 +54,10 @@ void openBag(const std::string& path, rosbag::Bag& bag) {
 
 BagStream::BagStream(const std::string& path, const Topics& topics) : path_(path), topics_(topics) {
   openBag(path_, bag_);
-  for (const std::string& topic : topics_.scans) require(topic, "scan topic", kScanType, true);
+  for (const Sensor& sensor : topics_.sensors) {
+    require(sensor.topic, sensor.is_cloud ? "cloud topic" : "scan topic",
+            sensor.is_cloud ? kCloudType : kScanType, true);
+  }
   require(topics_.joint_states, "joint states topic", kJointStateType, topics_.joint_states_needed);
 }
 
@@ -86,43 +90,52 @@ std::string BagStream::listOf(const std::string& type) const {
 }
 
 void BagStream::play(const Sink& sink) const {
-  std::vector<std::vector<std::string>> scan_topics;
-  for (const std::string& topic : topics_.scans) scan_topics.push_back(spellings(topic));
-  const std::vector<std::string> joint_topics = spellings(topics_.joint_states);
   std::vector<std::string> topics;
-  for (const auto& part : {joint_topics, kMovingTransforms, kStaticTransforms}) {
-    topics.insert(topics.end(), part.begin(), part.end());
+  const auto listen = [&](const std::vector<std::string>& names) {
+    topics.insert(topics.end(), names.begin(), names.end());
+  };
+  for (const auto& names :
+       {spellings(topics_.joint_states), kMovingTransforms, kStaticTransforms}) {
+    listen(names);
   }
-  for (const auto& part : scan_topics) topics.insert(topics.end(), part.begin(), part.end());
+  for (const Sensor& sensor : topics_.sensors) listen(spellings(sensor.topic));
   try {
     rosbag::View view(bag_, rosbag::TopicQuery(topics));
     const double messages = view.size();
     std::size_t played = 0;
     for (const rosbag::MessageInstance& message : view) {
       if (sink.progress) sink.progress(static_cast<double>(played++) / messages);
-      bool is_scan = false;
-      for (std::size_t sensor = 0; sensor < scan_topics.size(); ++sensor) {
-        if (!isOneOf(message.getTopic(), scan_topics[sensor])) continue;
-        is_scan = true;
-        const auto scan = message.instantiate<sensor_msgs::LaserScan>();
-        if (scan) sink.scan(*scan, sensor, publisherOf(message));
-      }
-      if (is_scan) continue;
-      if (isOneOf(message.getTopic(), joint_topics)) {
-        const auto joints = message.instantiate<sensor_msgs::JointState>();
-        if (joints) sink.joint_states(*joints, publisherOf(message));
-      } else {
-        // tf/tfMessage is the same message under its older name.
-        const auto transforms = message.instantiate<tf2_msgs::TFMessage>();
-        if (transforms) {
-          sink.transforms(*transforms, isOneOf(message.getTopic(), kStaticTransforms));
-        }
-      }
+      pass(message, sink);
     }
     if (sink.progress) sink.progress(1.0);
   } catch (const ros::Exception& error) {
     throw InputError(path_ + " is damaged: " + error.what());
   }
+}
+
+void BagStream::pass(const rosbag::MessageInstance& message, const Sink& sink) const {
+  const std::string publisher = publisherOf(message);
+  bool is_of_sensor = false;
+  for (std::size_t i = 0; i < topics_.sensors.size(); ++i) {
+    if (!isOneOf(message.getTopic(), spellings(topics_.sensors[i].topic))) continue;
+    is_of_sensor = true;
+    if (topics_.sensors[i].is_cloud) {
+      const auto cloud = message.instantiate<sensor_msgs::PointCloud2>();
+      if (cloud) sink.cloud(*cloud, i, publisher);
+    } else {
+      const auto scan = message.instantiate<sensor_msgs::LaserScan>();
+      if (scan) sink.scan(*scan, i, publisher);
+    }
+  }
+  if (is_of_sensor) return;
+  if (isOneOf(message.getTopic(), spellings(topics_.joint_states))) {
+    const auto joints = message.instantiate<sensor_msgs::JointState>();
+    if (joints) sink.joint_states(*joints, publisher);
+    return;
+  }
+  // tf/tfMessage is the same message under its older name.
+  const auto transforms = message.instantiate<tf2_msgs::TFMessage>();
+  if (transforms) sink.transforms(*transforms, isOneOf(message.getTopic(), kStaticTransforms));
 }
 
 }  // namespace tccm

@@ -3,6 +3,7 @@
 #include <rosbag/bag.h>
 #include <sensor_msgs/JointState.h>
 #include <sensor_msgs/LaserScan.h>
+#include <sensor_msgs/PointCloud2.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include <functional>
@@ -15,8 +16,13 @@ namespace tccm {
 /// or without compression.
 class BagStream {
  public:
+  /// What a sensor publishes.
+  struct Sensor {
+    std::string topic;
+    bool is_cloud = false;  ///< sensor_msgs/PointCloud2; else sensor_msgs/LaserScan
+  };
   struct Topics {
-    std::vector<std::string> scans;  ///< by sensor
+    std::vector<Sensor> sensors;
     std::string joint_states;
     bool joint_states_needed = false;
   };
@@ -25,6 +31,9 @@ class BagStream {
     std::function<void(const sensor_msgs::LaserScan&, std::size_t sensor,
                        const std::string& publisher)>
         scan;
+    std::function<void(const sensor_msgs::PointCloud2&, std::size_t sensor,
+                       const std::string& publisher)>
+        cloud;
     std::function<void(const sensor_msgs::JointState&, const std::string& publisher)> joint_states;
     std::function<void(const tf2_msgs::TFMessage&, bool is_static)> transforms;
     std::function<void(double fraction)> progress;  ///< may be empty; from 0 to 1
@@ -37,6 +46,7 @@ class BagStream {
   void play(const Sink& sink) const;
 
  private:
+  void pass(const rosbag::MessageInstance& message, const Sink& sink) const;
   /// @throws InputError where `topic` carries another type, or is needed and not there.
   void require(const std::string& topic, const std::string& role, const std::string& type,
                bool needed) const;

@@ -106,9 +106,11 @@ struct Dumps {
 
 void play(const BagStream& bag, Evaluation& evaluation) {
   BagStream::Sink sink;
-  sink.scan = [&](const auto& message, std::size_t sensor, const auto& from) {
+  const auto add = [&](const auto& message, std::size_t sensor, const auto& from) {
     evaluation.add(message, sensor, from);
   };
+  sink.scan = add;
+  sink.cloud = add;
   sink.joint_states = [&](const auto& message, const auto& from) { evaluation.add(message, from); };
   sink.transforms = [&](const auto& message, bool fixed) { evaluation.add(message, fixed); };
   sink.progress = progressBar();
@@ -132,7 +134,9 @@ int evaluate(Options& options) {
   const MonitorConfig settings = readMonitorConfig(options.config);
   const auto model = readModel(options, settings);
   BagStream::Topics topics{{}, settings.topics.joint_states, model != nullptr};
-  for (const SensorConfig& sensor : settings.sensors()) topics.scans.push_back(sensor.topic);
+  for (const SensorConfig& sensor : settings.sensors()) {
+    topics.sensors.push_back({sensor.topic, sensor.cloud_assembler.has_value()});
+  }
   const BagStream bag(options.bag, topics);
   makeFolder(options.out);
   const Dumps dumps(options, settings.sensors());

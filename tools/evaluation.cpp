@@ -22,29 +22,55 @@ Evaluation::Evaluation(const MonitorConfig& settings, std::shared_ptr<const Robo
       fixed_frame_(withoutSlash(settings.checker.fixed_frame)),
       root_frames_(monitor_.hasRobot() ? monitor_.checker().model()->rootFrames()
                                        : std::vector<std::string>()),
-      transforms_(fromSeconds(settings.sensors().front().assembler.transform_gap_max_s)) {
-  for (const SensorConfig& sensor : settings.sensors()) {
-    const std::size_t index = sources_.size();
-    sources_.emplace_back(sensor.assembler,
-                          monitor_.body(index) ? root_frames_ : std::vector<std::string>(),
+      transforms_(fromSeconds(settings.sensors().front().placing().transform_gap_max_s)) {
+  for (const SensorConfig& sensor : settings.sensors()) openSource(sensor);
+}
+
+void Evaluation::openSource(const SensorConfig& sensor) {
+  const std::size_t index = sources_.size();
+  const auto roots = monitor_.body(index) ? root_frames_ : std::vector<std::string>();
+  readers_.emplace_back();
+  if (sensor.cloud_assembler) {
+    readers_.back().emplace(sensor.cloud_assembler->cloud.limits);
+    sources_.emplace_back(std::in_place_type<CloudSource>, *sensor.cloud_assembler, roots,
                           transforms_);
-    totals_.sensors.emplace_back();
-    sources_.back().onDrop([this, index](const ScanReport& report) {
-      countScans(index,
-                 [&](ScanTotals& totals) { ++totals.drop_details[report.dropped][report.detail]; });
-      if (now_) monitor_.scanDropped(*now_, report, index);
-    });
+  } else {
+    sources_.emplace_back(std::in_place_type<ScanSource>, sensor.assembler, roots, transforms_);
+  }
+  totals_.sensors.emplace_back();
+  const auto note = [this, index](const ScanReport& report) {
+    countScans(index,
+               [&](ScanTotals& totals) { ++totals.drop_details[report.dropped][report.detail]; });
+    if (now_) monitor_.scanDropped(*now_, report, index);
+  };
+  std::visit([&](auto& source) { source.onDrop(note); }, sources_.back());
+}
+
+void Evaluation::noteArrival(const std_msgs::Header& header, std::size_t sensor,
+                             const std::string& publisher) {
+  moveClock(toTime(header.stamp), publisher);
+  countScans(sensor, [](ScanTotals& totals) { ++totals.scans_received; });
+  monitor_.scanArrived(*now_, toTime(header.stamp), sensor);
+  if (monitor_.hasRobot()) {
+    monitor_.checker().agreement().watchSensor(withoutSlash(header.frame_id));
   }
 }
 
 void Evaluation::add(const sensor_msgs::LaserScan& message, std::size_t sensor,
                      const std::string& publisher) {
-  moveClock(toTime(message.header.stamp), publisher);
-  countScans(sensor, [](ScanTotals& totals) { ++totals.scans_received; });
-  monitor_.scanArrived(*now_, toTime(message.header.stamp), sensor);
-  const std::string frame = withoutSlash(message.header.frame_id);
-  if (monitor_.hasRobot()) monitor_.checker().agreement().watchSensor(frame);
-  sources_[sensor].add(fromMessage(message), message.header.frame_id, *now_);
+  noteArrival(message.header, sensor, publisher);
+  std::get<ScanSource>(sources_[sensor]).add(fromMessage(message), message.header.frame_id, *now_);
+  compareWithModel();
+  mapReady();
+}
+
+void Evaluation::add(const sensor_msgs::PointCloud2& message, std::size_t sensor,
+                     const std::string& publisher) {
+  noteArrival(message.header, sensor, publisher);
+  const auto cloud = boost::make_shared<Cloud>();
+  const std::string defect = readers_[sensor]->read(message, *cloud);
+  cloud->stamp = toTime(message.header.stamp);
+  std::get<CloudSource>(sources_[sensor]).add(cloud, message.header.frame_id, *now_, defect);
   compareWithModel();
   mapReady();
 }
@@ -74,10 +100,12 @@ void Evaluation::compareWithModel() {
 
 void Evaluation::finish() {
   for (std::size_t i = 0; i < sources_.size(); ++i) {
-    sources_[i].drain(filteredJoints(i));
-    for (const auto& [reason, count] : sources_[i].dropped()) {
-      countDropped(i, reason, count);
-    }
+    std::visit(
+        [&](auto& source) {
+          source.drain(filteredJoints(i));
+          for (const auto& [reason, count] : source.dropped()) countDropped(i, reason, count);
+        },
+        sources_[i]);
   }
   totals_.last_stamp = now_;
 }
@@ -94,8 +122,12 @@ void Evaluation::moveClock(Time stamp, const std::string& publisher) {
 void Evaluation::resetAfterJump() {
   ++totals_.time_jumps;
   for (std::size_t i = 0; i < sources_.size(); ++i) {
-    if (sources_[i].waiting() > 0) countDropped(i, "time_jump", sources_[i].waiting());
-    sources_[i].clear();
+    std::visit(
+        [&](auto& source) {
+          if (source.waiting() > 0) countDropped(i, "time_jump", source.waiting());
+          source.clear();
+        },
+        sources_[i]);
   }
   transforms_.clear();
   monitor_.reset();
@@ -113,10 +145,14 @@ void Evaluation::mapReady() {
 }
 
 void Evaluation::mapReady(std::size_t sensor) {
-  while (const auto* ready = sources_[sensor].next(filteredJoints(sensor), *now_)) {
+  std::visit([&](auto& source) { mapReady(source, sensor); }, sources_[sensor]);
+}
+
+template <typename SourceOf>
+void Evaluation::mapReady(SourceOf& source, std::size_t sensor) {
+  while (const auto* ready = source.next(filteredJoints(sensor), *now_)) {
     Stopwatch stopwatch;
-    const auto outcome =
-        monitor_.addScan(*now_, ready->scan, ready->T_fixed_sensor, ready->T_fixed_roots, sensor);
+    const Monitor::ScanOutcome outcome = addTo(*ready, sensor);
     if (!outcome.dropped.empty()) {
       countDropped(sensor, outcome.dropped, 1);
       continue;

@@ -2,6 +2,7 @@
 
 #include <sensor_msgs/JointState.h>
 #include <sensor_msgs/LaserScan.h>
+#include <sensor_msgs/PointCloud2.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include <cstddef>
@@ -11,9 +12,12 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "monitor_config.h"
+#include "ros/cloud_reader.h"
+#include "ros/cloud_source.h"
 #include "ros/scan_source.h"
 #include "ros/transform_history.h"
 
@@ -113,6 +117,8 @@ class Evaluation {
 
   /// @param publisher whose stamps rise, unless time jumps back.
   void add(const sensor_msgs::LaserScan& message, std::size_t sensor, const std::string& publisher);
+  void add(const sensor_msgs::PointCloud2& message, std::size_t sensor,
+           const std::string& publisher);
   void add(const sensor_msgs::JointState& message, const std::string& publisher);
   void add(const tf2_msgs::TFMessage& message, bool is_static);
   /// After the last message: scans that still wait are dropped.
@@ -139,6 +145,19 @@ class Evaluation {
   /// Maps the scans whose transforms have come, and checks after each.
   void mapReady();
   void mapReady(std::size_t sensor);
+  template <typename SourceOf>
+  void mapReady(SourceOf& source, std::size_t sensor);
+  using Source = std::variant<ScanSource, CloudSource>;  ///< of a laser, of a camera or lidar
+  void openSource(const SensorConfig& sensor);
+  /// A message of a sensor's came in.
+  void noteArrival(const std_msgs::Header& header, std::size_t sensor,
+                   const std::string& publisher);
+  Monitor::ScanOutcome addTo(const ScanSource::Ready& ready, std::size_t sensor) {
+    return monitor_.addScan(*now_, ready.scan, ready.T_fixed_sensor, ready.T_fixed_roots, sensor);
+  }
+  Monitor::ScanOutcome addTo(const CloudSource::Ready& ready, std::size_t sensor) {
+    return monitor_.addCloud(*now_, *ready.scan, ready.T_fixed_sensor, ready.T_fixed_roots, sensor);
+  }
   /// Of the robot that is filtered out; nothing where none is.
   [[nodiscard]] const JointStates* filteredJoints(std::size_t sensor) const;
   /// Does it to what is counted of a sensor, and of all.
@@ -159,8 +178,9 @@ class Evaluation {
   std::vector<std::string> root_frames_;  ///< none without a robot
   TransformHistory transforms_;
   std::set<std::string> frames_;
-  std::deque<ScanSource> sources_;      ///< by sensor
-  std::map<std::string, Time> newest_;  ///< by publisher
+  std::deque<Source> sources_;                       ///< by sensor
+  std::vector<std::optional<CloudReader>> readers_;  ///< of cameras and lidars
+  std::map<std::string, Time> newest_;               ///< by publisher
   std::optional<Time> now_;
   bool stopped_ = false;   ///< by the last check
   bool in_a_run_ = false;  ///< the last stop run may go on: time did not jump since

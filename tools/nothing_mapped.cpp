@@ -30,67 +30,101 @@ std::string commonestOf(const std::map<std::string, std::size_t>& counts) {
       ->first;
 }
 
-/// Where the joint states that the self filter needs are to be had.
-std::string adviceOnJoints(const Evaluation& evaluation, const MonitorConfig& settings) {
-  std::string advice = "set topics/joint_states (" + settings.topics.joint_states +
-                       ") to the topic of all the robot's joints";
-  if (evaluation.hasRobot() && !evaluation.missingJoints().empty()) {
-    advice += " (never published: " + listOf(evaluation.missingJoints()) + ")";
-  }
-  return advice + ", or tilt_scan_assembler/self_filter to false";
-}
+/// What to set, or to see to, where a sensor's scans or clouds are dropped.
+class Advice {
+ public:
+  Advice(const Evaluation& evaluation, const MonitorConfig& settings, const SensorConfig& sensor)
+      : evaluation_(evaluation),
+        settings_(settings),
+        sensor_(sensor),
+        owner_((sensor.name.empty() ? "" : sensor.name + "/") + sensor.assemblerName() + "/"),
+        topic_((sensor.name.empty() ? "topics/scan" : sensor.name + "/topic") + " (" +
+               sensor.topic + ")") {}
 
-/// What to set, or to see to, where scans are dropped for a reason.
-std::string adviceOn(const std::string& reason, const Evaluation& evaluation,
-                     const MonitorConfig& settings) {
-  const AssemblerConfig& assembler = settings.assembler;
-  if (reason == "no_transform") {
-    return "set tilt_scan_assembler/fixed_frame ('" + evaluation.fixedFrame() +
-           "') to a frame that the laser's hangs on by transforms with the scans' stamps; the "
-           "bag's transforms name: " +
-           listOf(evaluation.frames());
+  [[nodiscard]] std::string on(const std::string& reason) const {
+    if (reason == "no_transform") {
+      return "set " + owner_ + "fixed_frame ('" + evaluation_.fixedFrame() +
+             "') to a frame that the sensor's hangs on by transforms with the scans' stamps; the "
+             "bag's transforms name: " +
+             listOf(evaluation_.frames());
+    }
+    if (reason == "transform_gap") {
+      return "record every transform, or raise " + owner_ +
+             formatted("transform_gap_max_s (%.3g)", sensor_.placing().transform_gap_max_s);
+    }
+    if (reason == "no_joint_states") return onJoints();
+    if (reason == "frame_changed") return "set " + topic_ + " to a topic of one sensor alone";
+    if (reason == "blind") {
+      return "hardly anything was measured: set " + topic_ + " to another sensor, or raise " +
+             unknownLimit();
+    }
+    if (reason == "malformed")
+      return "mend the sensor's driver; of too many points raise " + sizeLimit();
+    if (reason == "future_stamp") {
+      return "compare the clocks of sensor and robot, or raise " + owner_ + "future_max_s";
+    }
+    return "set " + topic_ + " to scans whose stamps rise";
   }
-  if (reason == "transform_gap") {
-    return formatted(
-        "record every transform, or raise tilt_scan_assembler/transform_gap_max_s "
-        "(%.3g)",
-        assembler.transform_gap_max_s);
+
+ private:
+  /// Where the joint states that the self filter needs are to be had.
+  [[nodiscard]] std::string onJoints() const {
+    std::string advice = "set topics/joint_states (" + settings_.topics.joint_states +
+                         ") to the topic of all the robot's joints";
+    if (evaluation_.hasRobot() && !evaluation_.missingJoints().empty()) {
+      advice += " (never published: " + listOf(evaluation_.missingJoints()) + ")";
+    }
+    return advice + ", or " + owner_ + "self_filter to false";
   }
-  if (reason == "no_joint_states") return adviceOnJoints(evaluation, settings);
-  if (reason == "frame_changed") {
-    return "set topics/scan (" + settings.topics.scan + ") to a topic of one laser alone";
+  [[nodiscard]] std::string unknownLimit() const {
+    if (sensor_.cloud_assembler) {
+      return owner_ + formatted("cloud_unknown_fraction_max (%.3g)",
+                                sensor_.cloud_assembler->cloud.unknown_fraction_max);
+    }
+    return owner_ + formatted("scan_unknown_fraction_max (%.3g)",
+                              sensor_.assembler.scan.assembler.scan_unknown_fraction_max);
   }
-  if (reason == "blind") {
-    return formatted(
-        "hardly a beam measured anything: set topics/scan (%s) to another laser, or "
-        "raise tilt_scan_assembler/scan_unknown_fraction_max (%.3g)",
-        settings.topics.scan.c_str(), assembler.scan.assembler.scan_unknown_fraction_max);
+  [[nodiscard]] std::string sizeLimit() const {
+    if (sensor_.cloud_assembler) {
+      return owner_ +
+             formatted("cloud_points_max (%zu)", sensor_.cloud_assembler->cloud.limits.points_max);
+    }
+    return owner_ +
+           formatted("scan_beams_max (%zu)", sensor_.assembler.scan.assembler.scan_beams_max);
   }
-  if (reason == "malformed") {
-    return formatted(
-        "mend the laser's driver; of too many beams raise "
-        "tilt_scan_assembler/scan_beams_max (%zu)",
-        assembler.scan.assembler.scan_beams_max);
-  }
-  if (reason == "future_stamp") {
-    return "compare the clocks of laser and robot, or raise tilt_scan_assembler/future_max_s";
-  }
-  return "set topics/scan (" + settings.topics.scan + ") to scans whose stamps rise";
+
+  const Evaluation& evaluation_;
+  const MonitorConfig& settings_;
+  const SensorConfig& sensor_;
+  std::string owner_;
+  std::string topic_;
+};
+
+/// The sensor that most came of; none of its scans or clouds was mapped.
+std::size_t worstOf(const Totals& totals) {
+  const auto received = [](const ScanTotals& a, const ScanTotals& b) {
+    return a.scans_received < b.scans_received;
+  };
+  return static_cast<std::size_t>(
+      std::max_element(totals.sensors.begin(), totals.sensors.end(), received) -
+      totals.sensors.begin());
 }
 
 }  // namespace
 
 std::string whyNothingMapped(const Evaluation& evaluation, const MonitorConfig& settings) {
-  const Totals& totals = evaluation.totals();
-  if (totals.scans_dropped.empty()) return "no scan was mapped: none came";
+  if (evaluation.totals().scans_dropped.empty()) return "no scan was mapped: none came";
+  const std::size_t worst = worstOf(evaluation.totals());
+  const ScanTotals& totals = evaluation.totals().sensors[worst];
+  const SensorConfig sensor = settings.sensors()[worst];
   const std::string reason = commonestOf(totals.scans_dropped);
   const auto details = totals.drop_details.find(reason);
   const std::string detail =
       details == totals.drop_details.end() ? "" : ", " + commonestOf(details->second);
-  return formatted("no scan was mapped, %zu of %zu were dropped: %s%s; ",
-                   totals.scans_dropped.at(reason), totals.scans_received, reason.c_str(),
-                   detail.c_str()) +
-         adviceOn(reason, evaluation, settings);
+  return formatted("no %s was mapped, %zu of %zu were dropped: %s%s; ",
+                   sensor.cloud_assembler ? "cloud" : "scan", totals.scans_dropped.at(reason),
+                   totals.scans_received, reason.c_str(), detail.c_str()) +
+         Advice(evaluation, settings, sensor).on(reason);
 }
 
 }  // namespace tccm

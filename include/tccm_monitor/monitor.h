@@ -12,10 +12,11 @@ namespace tccm {
 class BodySampler;
 class Mapper;
 struct AssembledScan;
+struct Cloud;
 struct ScanReturns;
 
-/// The whole way joined, time passed in: scan -> points -> map -> verdict. What the offline
-/// programs drive; the nodelets drive the same stages, with messages between them.
+/// The whole way joined, time passed in: scan or cloud -> points -> map -> verdict. What the
+/// offline programs drive; the nodelets drive the same stages, with messages between them.
 class Monitor {
  public:
   struct Config;  ///< loadMonitor() reads it from a file
@@ -55,8 +56,12 @@ class Monitor {
   /// @param now when it is processed, by the clock of the stamps.
   /// @param T_fixed_sensor the sensor's poses over the scan. @param T_fixed_roots one for each of
   /// the model's roots, where a robot is filtered out.
+  /// @pre the sensor is a laser.
   ScanOutcome addScan(Time now, const LaserScan& scan, const PosePath& T_fixed_sensor,
                       const std::vector<PosePath>& T_fixed_roots, std::size_t sensor = 0);
+  /// The same of a camera or lidar. @pre the sensor is one.
+  ScanOutcome addCloud(Time now, const Cloud& cloud, const PosePath& T_fixed_sensor,
+                       const std::vector<PosePath>& T_fixed_roots, std::size_t sensor = 0);
   /// The robot holds something from now on: it joins the body for filter and check, and what was
   /// seen of it leaves the map, also in scans stamped up to now that are still to come.
   /// @param forget_padding_m what was seen this near to it was the object.
@@ -75,7 +80,7 @@ class Monitor {
   /// Nothing where no robot is filtered out.
   [[nodiscard]] const BodySampler* body(std::size_t sensor = 0) const;
   [[nodiscard]] const Mapper& mapper(std::size_t sensor = 0) const;
-  /// The last scan that was assembled, also where the mapper dropped it.
+  /// The last scan that was assembled, also where the mapper dropped it. @pre of a laser.
   [[nodiscard]] const AssembledScan& assembled(std::size_t sensor = 0) const;
   /// The points of the last scan.
   [[nodiscard]] const ScanReturns& returns(std::size_t sensor = 0) const;

@@ -2,7 +2,7 @@
 
 #include <boost/shared_ptr.hpp>
 
-#include "cloud_assembler_config.h"
+#include "monitor_config.h"
 #include "ros/scan_source.h"
 #include "scan/cloud.h"
 

@@ -157,7 +157,7 @@ def blind(stream, rng):
         if topic == "/tilt_scan":
             message.ranges = list(beams)
             message.angle_max = 0.1
-    return "blind", "hardly a beam", "scan_unknown_fraction_max"
+    return "blind", "hardly anything", "scan_unknown_fraction_max"
 
 
 def silent_joints(stream, rng):
