@@ -7,7 +7,7 @@ if(NOT CATKIN_DEVEL_PREFIX)
 endif()
 find_package(catkin REQUIRED COMPONENTS
   diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs message_generation nodelet
-  pluginlib rosbag_storage roscpp rosgraph_msgs roslib
+  pcl_conversions pluginlib rosbag_storage roscpp rosgraph_msgs roslib
   sensor_msgs std_msgs std_srvs tf2 tf2_eigen tf2_msgs tf2_ros trajectory_msgs visualization_msgs)
 
 add_message_files(FILES

@@ -151,6 +151,12 @@ SensorConfig readSensor(YAML::Node section, const std::string& name) {
   takeSection(section, name, SensorConfig::kMapper, sensor.mapper);
   loadAll(section, name, sensor);
   if (sensor.topic.empty()) throw ConfigError(name + "/topic: it is not set");
+  const Mapper::Config& mapper = sensor.mapper.mapper;
+  if (sensor.cloud_assembler && mapper.window_s == 0.0 && mapper.window_scans == 0) {
+    throw ConfigError(name +
+                      "/tccm_mapper/window_s: it is 0, but a cloud has no tilt to measure a "
+                      "window by; set it to three frames or turns, such as 0.3");
+  }
   return sensor;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bag_stream.h"
+#include "cloud_folder.h"
 #include "evaluation.h"
 #include "program.h"
 #include "report.h"
@@ -15,6 +16,9 @@ namespace {
 
 struct Options {
   std::string bag;
+  std::string clouds;
+  double cloud_rate_hz = 30.0;
+  std::vector<double> sensor_pose;
   std::string urdf;
   std::string config;
   std::string out;
@@ -30,9 +34,26 @@ void describe(CLI::App& app, Options& options) {
       "Without --urdf the surroundings are mapped and nothing is checked.\n"
       "Exit status: 0 done, 1 no scan was mapped, 2 bad input; 1 and 2 with a line that says why.\n"
       "Example: evaluate --bag run.bag --urdf robot.urdf --config config/pr2.yaml --out result");
-  app.add_option("--bag", options.bag, "recording with scans, /tf, /tf_static and joint states")
-      ->required();
-  app.add_option("--urdf", options.urdf, "the robot that is filtered out of scans and checked");
+  auto* bag = app.add_option("--bag", options.bag,
+                             "recording with scans or clouds, /tf, /tf_static and joint states");
+  auto* clouds = app.add_option("--clouds", options.clouds,
+                                "folder of PCD files, a cloud each, of one sensor that stood "
+                                "still; the config names it");
+  app.add_option("--cloud-rate", options.cloud_rate_hz, "of the PCD files [Hz]")
+      ->check(CLI::Range(0.1, 1000.0))
+      ->capture_default_str()
+      ->needs(clouds);
+  app.add_option("--sensor-pose", options.sensor_pose,
+                 "of the PCD files' sensor in the fixed frame: x y z [m] and roll pitch yaw [rad]; "
+                 "without it each file's VIEWPOINT counts")
+      ->expected(6)
+      ->needs(clouds);
+  auto* urdf =
+      app.add_option("--urdf", options.urdf, "the robot that is filtered out of scans and checked");
+  auto* source = app.add_option_group("recording");
+  source->add_options(bag, clouds);
+  source->require_option(1);
+  clouds->excludes(urdf);
   app.add_option("--config", options.config,
                  "YAML with topics and the nodelets' parameters; defaults where it says nothing");
   app.add_option("--out", options.out, "folder for summary.json; made where it is not there")
@@ -104,8 +125,8 @@ struct Dumps {
   }
 };
 
-void play(const BagStream& bag, Evaluation& evaluation) {
-  BagStream::Sink sink;
+void play(const Recording& recording, Evaluation& evaluation) {
+  Recording::Sink sink;
   const auto add = [&](const auto& message, std::size_t sensor, const auto& from) {
     evaluation.add(message, sensor, from);
   };
@@ -114,8 +135,19 @@ void play(const BagStream& bag, Evaluation& evaluation) {
   sink.joint_states = [&](const auto& message, const auto& from) { evaluation.add(message, from); };
   sink.transforms = [&](const auto& message, bool fixed) { evaluation.add(message, fixed); };
   sink.progress = progressBar();
-  bag.play(sink);
+  recording.play(sink);
   evaluation.finish();
+}
+
+/// From x y z [m] and roll pitch yaw [rad], as a URDF's origin has it.
+Pose poseOf(const std::vector<double>& numbers) {
+  Pose pose = Pose::Identity();
+  pose.translation() = Vector3(numbers[0], numbers[1], numbers[2]);
+  pose.linear() = (Eigen::AngleAxisd(numbers[5], Vector3::UnitZ()) *
+                   Eigen::AngleAxisd(numbers[4], Vector3::UnitY()) *
+                   Eigen::AngleAxisd(numbers[3], Vector3::UnitX()))
+                      .toRotationMatrix();
+  return pose;
 }
 
 /// A frame that no transform names is a slip in the configuration, not a bad recording.
@@ -130,14 +162,29 @@ void requireFixedFrame(const Evaluation& evaluation) {
       "' is in no transform of the bag, which has: " + (names.empty() ? "none" : names));
 }
 
+/// @throws InputError
+std::unique_ptr<Recording> openRecording(const Options& options, const MonitorConfig& settings) {
+  const std::vector<SensorConfig> sensors = settings.sensors();
+  if (!options.clouds.empty()) {
+    if (sensors.size() != 1 || !sensors.front().cloud_assembler) {
+      throw InputError("--clouds: the config has to name one sensor, with a cloud_assembler");
+    }
+    std::optional<Pose> pose;
+    if (!options.sensor_pose.empty()) pose = poseOf(options.sensor_pose);
+    return std::make_unique<CloudFolder>(CloudFolder::Config{options.clouds, options.cloud_rate_hz,
+                                                             settings.checker.fixed_frame, pose});
+  }
+  BagStream::Topics topics{{}, settings.topics.joint_states, !options.urdf.empty()};
+  for (const SensorConfig& sensor : sensors) {
+    topics.sensors.push_back({sensor.topic, sensor.cloud_assembler.has_value()});
+  }
+  return std::make_unique<BagStream>(options.bag, topics);
+}
+
 int evaluate(Options& options) {
   const MonitorConfig settings = readMonitorConfig(options.config);
   const auto model = readModel(options, settings);
-  BagStream::Topics topics{{}, settings.topics.joint_states, model != nullptr};
-  for (const SensorConfig& sensor : settings.sensors()) {
-    topics.sensors.push_back({sensor.topic, sensor.cloud_assembler.has_value()});
-  }
-  const BagStream bag(options.bag, topics);
+  const auto recording = openRecording(options, settings);
   makeFolder(options.out);
   const Dumps dumps(options, settings.sensors());
   Evaluation::Observer observer;
@@ -151,7 +198,7 @@ int evaluate(Options& options) {
     };
   }
   Evaluation evaluation(settings, model, observer);
-  play(bag, evaluation);
+  play(*recording, evaluation);
   requireFixedFrame(evaluation);
   for (std::size_t i = 0; i < dumps.cuboids.size(); ++i) {
     const CuboidMap* map = evaluation.monitor().map(i);

@@ -266,7 +266,7 @@ void printAgreement(const Json& agreement, std::ostream& out) {
 }
 
 /// Of all sensors, or of one.
-void printScans(const Json& summary, std::ostream& out) {
+void printScans(const Json& summary, const std::string& sensor, std::ostream& out) {
   const Json& map = summary["map"];
   const Json& points = summary["points"];
   out << "scans    " << summary["scans"] << " of " << summary["scans_received"] << " mapped";
@@ -284,6 +284,10 @@ void printScans(const Json& summary, std::ostream& out) {
     out << "warning  " << points["overflowed"]
         << " points did not fit into the map: raise intervals_max or window_returns_max\n";
   }
+  if (points["mapped"] == 0 && points["out_of_area"] > 0) {
+    out << "warning  no point of " << sensor << " lies in the map's area: see to area_origin_*_m, "
+        << "area_size_*_m, height_*_m and to where the sensor is\n";
+  }
 }
 
 }  // namespace
@@ -292,10 +296,10 @@ void printSummary(const Json& summary, std::ostream& out) {
   if (summary.contains("sensors")) {
     for (const auto& [name, sensor] : summary["sensors"].items()) {
       out << "sensor   " << name << "\n";
-      printScans(sensor, out);
+      printScans(sensor, name, out);
     }
   } else {
-    printScans(summary, out);
+    printScans(summary, "the laser", out);
   }
   const Json& robot = summary["robot"];
   if (!robot.is_null()) {

@@ -30,12 +30,14 @@ class EvaluateTest(unittest.TestCase):
         return subprocess.run([os.environ["TCCM_EVALUATE"], *arguments], capture_output=True,
                               text=True, timeout=300)
 
-    def evaluate(self, bag, out="out", config=None, urdf=None, status=0):
-        """What it printed is kept in `done`. @param status that it has to end with.
+    def evaluate(self, bag, out="out", config=None, urdf=None, status=0, recording=None):
+        """What it printed is kept in `done`. @param status that it has to end with. @param recording
+        arguments in place of the bag.
         @return the summary; dumps lie beside it."""
         out = self.path(out)
         os.makedirs(out)
-        arguments = ["--bag", bag, "--out", out, "--config", config or self.text("config.yaml", CONFIG)]
+        arguments = ["--out", out, "--config", config or self.text("config.yaml", CONFIG)]
+        arguments += recording or ["--bag", bag]
         arguments += ["--urdf", urdf] if urdf else []
         packages = os.path.join(os.path.dirname(urdf or ""), "packages")
         arguments += ["--package-path", packages] if os.path.isdir(packages) else []
@@ -86,14 +88,17 @@ class EvaluateTest(unittest.TestCase):
                 oldest[check] = max(oldest.get(check, 0.0), float(row["evidence_age_s"]))
         self.assertAlmostEqual(sight["evidence_age_s"]["max"], max(oldest.values()), places=5)
 
-    def assertSameFiles(self, one, other):
+    def assertSameFiles(self, one, other, sensor=None):
+        """@param sensor where several have names."""
+        of_sensor = "." + sensor if sensor else ""
         summaries = []
         for out in (one, other):
             with open(self.path(os.path.join(out, "summary.json"))) as f:
                 summaries.append(json.load(f))
             summaries[-1].pop("time_us")
         self.assertEqual(json.dumps(summaries[0]), json.dumps(summaries[1]))
-        for dump in ("points.csv", "cuboids.csv", "verdicts.csv", "visibility.csv"):
+        for dump in (f"points{of_sensor}.csv", f"cuboids{of_sensor}.csv", "verdicts.csv",
+                     "visibility.csv"):
             a, b = self.path(os.path.join(one, dump)), self.path(os.path.join(other, dump))
             self.assertTrue(filecmp.cmp(a, b, shallow=False), dump)
 
