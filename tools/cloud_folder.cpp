@@ -5,6 +5,7 @@
 #include <pcl_conversions/pcl_conversions.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -56,6 +57,19 @@ void requireHeader(const std::string& path) {
                      formatted(": its header has %zu points in %llu x %llu; there have to be "
                                "as many as that makes, 1 to %zu",
                                points, number("WIDTH"), number("HEIGHT"), kPointsMax));
+  }
+  std::istringstream viewpoint(entries["VIEWPOINT"].empty() ? "0 0 0 1 0 0 0"
+                                                            : entries["VIEWPOINT"]);
+  for (int i = 0; i < 7; ++i) {
+    double number = NAN;
+    if (!(viewpoint >> number) || !std::isfinite(number)) {
+      throw InputError(path + ": its VIEWPOINT is no seven numbers");
+    }
+  }
+  std::size_t lines = 0;
+  while (entries["DATA"] == "ascii" && lines < points && std::getline(file, line)) ++lines;
+  if (entries["DATA"] == "ascii" && lines < points) {
+    throw InputError(path + formatted(": it ends after %zu of %zu points", lines, points));
   }
 }
 
