@@ -21,11 +21,6 @@ namespace {
 constexpr const char* kSensorFrame = "cloud";
 constexpr const char* kPublisher = "clouds";
 
-struct PcdCloud {
-  sensor_msgs::PointCloud2 message;
-  Pose T_fixed_sensor = Pose::Identity();  ///< its VIEWPOINT
-};
-
 /// PCL's reader crashes on lines of the header that it does not know, and on sizes that are none.
 /// @throws InputError where the file does not begin as a PCD file does.
 void requireHeader(const std::string& path) {
@@ -73,7 +68,28 @@ void requireHeader(const std::string& path) {
   }
 }
 
-/// @throws InputError
+tf2_msgs::TFMessage transformTo(const std::string& fixed_frame, const Pose& T_fixed_sensor,
+                                const ros::Time& stamp) {
+  geometry_msgs::TransformStamped transform;
+  transform.header.stamp = stamp;
+  transform.header.frame_id = fixed_frame;
+  transform.child_frame_id = kSensorFrame;
+  const Vector3 p = T_fixed_sensor.translation();
+  const Eigen::Quaterniond q(T_fixed_sensor.linear());
+  transform.transform.translation.x = p.x();
+  transform.transform.translation.y = p.y();
+  transform.transform.translation.z = p.z();
+  transform.transform.rotation.x = q.x();
+  transform.transform.rotation.y = q.y();
+  transform.transform.rotation.z = q.z();
+  transform.transform.rotation.w = q.w();
+  tf2_msgs::TFMessage message;
+  message.transforms.push_back(transform);
+  return message;
+}
+
+}  // namespace
+
 PcdCloud readPcd(const std::string& path) {
   requireHeader(path);
   PcdCloud cloud;
@@ -96,28 +112,6 @@ PcdCloud readPcd(const std::string& path) {
   }
   return cloud;
 }
-
-tf2_msgs::TFMessage transformTo(const std::string& fixed_frame, const Pose& T_fixed_sensor,
-                                const ros::Time& stamp) {
-  geometry_msgs::TransformStamped transform;
-  transform.header.stamp = stamp;
-  transform.header.frame_id = fixed_frame;
-  transform.child_frame_id = kSensorFrame;
-  const Vector3 p = T_fixed_sensor.translation();
-  const Eigen::Quaterniond q(T_fixed_sensor.linear());
-  transform.transform.translation.x = p.x();
-  transform.transform.translation.y = p.y();
-  transform.transform.translation.z = p.z();
-  transform.transform.rotation.x = q.x();
-  transform.transform.rotation.y = q.y();
-  transform.transform.rotation.z = q.z();
-  transform.transform.rotation.w = q.w();
-  tf2_msgs::TFMessage message;
-  message.transforms.push_back(transform);
-  return message;
-}
-
-}  // namespace
 
 CloudFolder::CloudFolder(const Config& config) : config_(config) {
   std::error_code ignored;

@@ -9,6 +9,14 @@
 
 namespace tccm {
 
+struct PcdCloud {
+  sensor_msgs::PointCloud2 message;
+  Pose T_fixed_sensor = Pose::Identity();  ///< its VIEWPOINT
+};
+
+/// @throws InputError where there is no such file, or it is no whole PCD file.
+[[nodiscard]] PcdCloud readPcd(const std::string& path);
+
 /// The clouds of one sensor that stood still, a PCD file each, in the order of their names. They
 /// are stamped at equal steps, from 1 s on.
 class CloudFolder : public Recording {
