@@ -52,21 +52,22 @@ std::string assemblerOf(const std::string& sensor) {
 /// Launch files cannot clear the namespaces of sensors that they do not know.
 void tellLeftovers(const std::string& sensor) {
   const ros::NodeHandle node;
-  std::string path;
+  std::string path, keys;
   if (!node.getParam("tccm_monitor_config", path)) return;
   const YAML::Node file = loadYamlFile(path)[sensor];
   for (const char* section :
        {SensorConfig::kScanAssembler, SensorConfig::kCloudAssembler, SensorConfig::kMapper}) {
-    const ros::NodeHandle own(sensor + "/" + section);
-    for (const auto& entry : parametersOf(own)) {
+    for (const auto& entry : parametersOf(ros::NodeHandle(sensor + "/" + section))) {
       const auto key = entry.first.as<std::string>();
       if (file && file[section] && file[section][key]) continue;
-      ROS_WARN(
-          "%s/%s: it is on the parameter server, but not in %s. An earlier launch left it "
-          "there, or it was set beside the file.",
-          own.getNamespace().c_str(), key.c_str(), path.c_str());
+      keys += (keys.empty() ? "" : ", ") + std::string(section) + "/" + key;
     }
   }
+  if (keys.empty()) return;
+  ROS_WARN(
+      "Of %s the parameter server has what is not in %s: %s. An earlier launch left it there, "
+      "or it was set beside the file.",
+      node.resolveName(sensor).c_str(), path.c_str(), keys.c_str());
 }
 
 /// @throws ConfigError

@@ -16,15 +16,18 @@ def raw_type(message_type):
 class Gate:
     """One topic. A change takes a message and returns the messages that go on in its place."""
 
-    def __init__(self, topic, message_type, source=None):
+    def __init__(self, topic, message_type, source=None, converted=None):
+        """@param converted the type that the messages go on as, which a function `of` makes of one."""
         self.topic = topic
         self._message_type = message_type
+        self._convert = converted.of if converted else None
         self._change = None
         self._remaining = 0
         self._lock = threading.Lock()
         self._passed = rospy.get_time()
         raw = raw_type(message_type)
-        self.publisher = rospy.Publisher(topic, raw, queue_size=100)
+        self.publisher = rospy.Publisher(topic, converted.message_type if converted else raw,
+                                         queue_size=100)
         rospy.Subscriber(source or "raw/" + topic.lstrip("/"), raw, self._take, queue_size=100,
                          tcp_nodelay=True)
 
@@ -36,13 +39,14 @@ class Gate:
                 if self._remaining == 0:
                     self._change = None
             if change is None:
-                self.publisher.publish(raw)
                 self._passed = rospy.get_time()
-                return
+                if not self._convert:
+                    self.publisher.publish(raw)
+                    return
             message = self._message_type()
             message.deserialize(raw._buff)
-            for changed in change(message):
-                self.publisher.publish(changed)
+            for changed in change(message) if change else [message]:
+                self.publisher.publish(self._convert(changed) if self._convert else changed)
 
     def close(self, change, messages=0):
         """@param messages so many are changed; 0: all until open().

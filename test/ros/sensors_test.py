@@ -2,12 +2,14 @@
 """Two sensors, one answer: whatever happens to the second is named, stops the robot where it is
 required, and does not where it is not."""
 
+import math
+import struct
 import time
 
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
-from sensor_msgs.msg import LaserScan
+from sensor_msgs.msg import LaserScan, PointCloud2, PointField
 from std_srvs.srv import Trigger
 
 from gated_robot import wait_for
@@ -23,6 +25,27 @@ CHOSEN = ("stopped", "late", "all NaN", "of a frame that nobody knows", "stamped
 BUSY = 0.5
 
 
+class AsCloud:
+    """What a lidar of one line would publish: each point with its time from the stamp."""
+
+    message_type = PointCloud2
+
+    @staticmethod
+    def of(scan):
+        points = []
+        for i, measured in enumerate(scan.ranges):
+            range_m = measured if scan.range_min <= measured <= scan.range_max else math.nan
+            angle = scan.angle_min + i * scan.angle_increment
+            points.append((range_m * math.cos(angle), range_m * math.sin(angle),
+                           0.0 * range_m, i * scan.time_increment))
+        cloud = PointCloud2(header=scan.header, height=1, width=len(points), point_step=16,
+                            row_step=16 * len(points))
+        cloud.fields = [PointField(name, 4 * i, PointField.FLOAT32, 1)
+                        for i, name in enumerate(("x", "y", "z", "time"))]
+        cloud.data = b"".join(struct.pack("<4f", *point) for point in points)
+        return cloud
+
+
 class SensorsTest(NamedSubTests):
     @classmethod
     def setUpClass(cls):
@@ -34,7 +57,9 @@ class SensorsTest(NamedSubTests):
         for sensor, maps in cls.maps.items():
             rospy.Subscriber(sensor + "/cuboid_map", CuboidMap, maps.append, queue_size=10)
         cls.laser = Gate("laser_scan", LaserScan, source="raw/scan")
-        cls.second = Gate("second_scan", LaserScan, source="raw/scan")
+        is_cloud = rospy.get_param("~second") == "cloud"
+        cls.second = Gate("second_cloud" if is_cloud else "second_scan", LaserScan,
+                          source="raw/scan", converted=AsCloud if is_cloud else None)
         rospy.wait_for_service("reset", 20.0)
         cls.reset = rospy.ServiceProxy("reset", Trigger)
 
