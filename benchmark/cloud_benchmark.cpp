@@ -1,103 +1,269 @@
-/// How long a cloud takes on its way to the map: the dual-arm robot's 26 primitives in view of a
-/// depth camera of 640 x 480 pixels and of a lidar of 64 x 1024.
+/// What a cloud costs on its way from the message to the map that is published, stage by stage: the
+/// dual-arm robot's 26 primitives in view of a depth camera of 640 x 480 pixels and of a lidar of
+/// 64 x 1024. Beside it OctoMap, which is handed the points that our map takes. Prints a table.
 
-#include <benchmark/benchmark.h>
+#include <octomap/OcTree.h>
 
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <functional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "latencies.h"
 #include "map/mapper.h"
+#include "map/place_ages.h"
+#include "ros/cloud_reader.h"
+#include "ros/cloud_scan.h"
+#include "ros/conversions.h"
 #include "support/depth_view.h"
 
 namespace tccm {
 namespace {
 
-/// Nanoseconds a point, of all points of the cloud.
-void reportPoints(benchmark::State& state, const Cloud& cloud) {
-  state.counters["p50_ns_a_point"] =
-      1e3 * state.counters["p50_us"] / static_cast<double>(cloud.points.size());
-}
+struct Sensor {
+  const char* name;
+  bool is_lidar;
+  Duration period;
+  [[nodiscard]] test::DepthView::Seen see(const test::DepthView& view) const {
+    return is_lidar ? view.lidar(1) : view.camera(1);
+  }
+};
 
-CloudStage::Config configFor(const std::string& sensor) {
+CloudStage::Config stageConfig(const Sensor& sensor) {
   CloudStage::Config config;
-  if (sensor == "lidar") config.noise = {0.01, 0.0};
-  if (sensor == "lidar") config.looks.block_rad = 0.035;
+  if (sensor.is_lidar) config.noise = {0.01, 0.0};
+  if (sensor.is_lidar) config.looks.block_rad = 0.035;
   return config;
 }
 
-void assembleCloud(benchmark::State& state, const std::string& sensor, bool self_filter) {
-  const test::DepthView view;
-  const Cloud cloud = sensor == "lidar" ? view.lidar(1).cloud : view.camera(1).cloud;
-  CloudStage::Config config = configFor(sensor);
-  config.self_filter = self_filter;
-  CloudStage stage(config, view.model());
-  view.tellJoints(stage);
-  const PosePath T_fixed_sensor = view.sensorPath();
-  const auto T_fixed_roots = view.rootPaths();
-  Latencies latencies;
-  for (auto _ : state) {
-    latencies.time(
-        [&] { benchmark::DoNotOptimize(stage.assemble(cloud, T_fixed_sensor, T_fixed_roots)); });
-  }
-  latencies.report(state);
-  reportPoints(state, cloud);
-  state.counters["kept"] = static_cast<double>(stage.returns().points.size());
-  state.counters["looks"] = static_cast<double>(stage.returns().looks.size());
-}
-BENCHMARK_CAPTURE(assembleCloud, camera, "camera", true)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(assembleCloud, camera_without_robot, "camera", false)
-    ->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(assembleCloud, lidar, "lidar", true)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(assembleCloud, lidar_without_robot, "lidar", false)
-    ->Unit(benchmark::kMicrosecond);
-
-/// As scans are filtered: each point against each shape.
-void filterEachPoint(benchmark::State& state) {
-  const test::DepthView view;
-  const Cloud cloud = view.camera(1).cloud;
-  CloudStage stage({}, view.model());
-  view.tellJoints(stage);
-  if (!stage.assemble(cloud, view.sensorPath(), view.rootPaths()).empty()) return;
-  AssembledScan scan;
-  for (const Eigen::Vector3f& p : cloud.points) {
-    Beam beam;
-    beam.stamp = cloud.stamp;
-    beam.viewpoint = view.sensorPose().translation();
-    beam.p_fixed = view.sensorPose() * p.cast<double>();
-    beam.kind = isMeasured(p) ? BeamKind::kReturn : BeamKind::kUnknown;
-    scan.beams.push_back(beam);
-  }
-  Latencies latencies;
-  for (auto _ : state) {
-    AssembledScan copy = scan;
-    latencies.time([&] { BodyFilter().apply(stage.body()->samples(), copy); });
-  }
-  latencies.report(state);
-  reportPoints(state, cloud);
-}
-BENCHMARK(filterEachPoint)->Unit(benchmark::kMicrosecond);
-
-void mapCloud(benchmark::State& state, const std::string& sensor) {
-  const test::DepthView view;
-  const Cloud cloud = sensor == "lidar" ? view.lidar(1).cloud : view.camera(1).cloud;
-  CloudStage stage(configFor(sensor), view.model());
-  view.tellJoints(stage);
-  if (!stage.assemble(cloud, view.sensorPath(), view.rootPaths()).empty()) return;
+Mapper::Config mapperConfig(const Sensor& sensor) {
   Mapper::Config config;
-  config.window_s = 0.3;
+  config.window_s = sensor.is_lidar ? 0.5 : 0.3;
   config.looks.pass_gap_s = 0.001;
-  Mapper mapper(config);
-  ScanReturns returns = stage.returns();
-  Latencies latencies;
-  for (auto _ : state) {
-    returns.stamp += std::chrono::milliseconds(33);
-    latencies.time([&] { benchmark::DoNotOptimize(mapper.add(returns)); });
-  }
-  latencies.report(state);
-  reportPoints(state, cloud);
+  config.map.returns_max = 3000000;
+  return config;
 }
-BENCHMARK_CAPTURE(mapCloud, camera, "camera")->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(mapCloud, lidar, "lidar")->Unit(benchmark::kMicrosecond);
+
+/// As drivers lay it out: x, y, z and a word beside them, of a lidar the time in nanoseconds.
+sensor_msgs::PointCloud2 messageOf(const Cloud& cloud) {
+  sensor_msgs::PointCloud2 message;
+  message.header.stamp = toRos(cloud.stamp);
+  message.width = static_cast<std::uint32_t>(cloud.width);
+  message.height = static_cast<std::uint32_t>(cloud.height);
+  const auto addField = [&message](const char* name, std::uint32_t offset, std::uint8_t type) {
+    sensor_msgs::PointField field;
+    field.name = name;
+    field.offset = offset;
+    field.datatype = type;
+    field.count = 1;
+    message.fields.push_back(field);
+  };
+  addField("x", 0, sensor_msgs::PointField::FLOAT32);
+  addField("y", 4, sensor_msgs::PointField::FLOAT32);
+  addField("z", 8, sensor_msgs::PointField::FLOAT32);
+  const bool is_timed = !cloud.offsets_s.empty();
+  if (is_timed) addField("t", 12, sensor_msgs::PointField::UINT32);
+  message.point_step = 16;
+  message.row_step = message.point_step * message.width;
+  message.data.resize(16 * cloud.points.size());
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    std::memcpy(&message.data[16 * i], cloud.points[i].data(), 12);
+    if (!is_timed) continue;
+    const auto t = static_cast<std::uint32_t>(1e9 * static_cast<double>(cloud.offsets_s[i]));
+    std::memcpy(&message.data[16 * i + 12], &t, 4);
+  }
+  return message;
+}
+
+/// All that a cloud goes through, as the nodelets do it.
+class Way {
+ public:
+  explicit Way(const Sensor& sensor)
+      : sensor_(sensor),
+        message_(messageOf(sensor.see(view_).cloud)),
+        stage_(stageConfig(sensor), view_.model()),
+        mapper_(mapperConfig(sensor)),
+        ages_(mapper_.map()),
+        T_fixed_sensor_(view_.sensorPath()),
+        T_fixed_roots_(view_.rootPaths()) {
+    view_.tellJoints(stage_);
+    mapper_.reserve(snapshot_);
+  }
+
+  void unpack() { require(reader_.read(message_, cloud_)); }
+  void assemble() { require(stage_.assemble(cloud_, T_fixed_sensor_, T_fixed_roots_)); }
+  /// To the message between the nodelets and back.
+  void handOn() {
+    toMessage(stage_.returns(), "base", scan_);
+    require(fromMessage(scan_, returns_));
+    now_ += sensor_.period;
+    returns_.stamp = now_;
+  }
+  void map() { require(mapper_.add(returns_).dropped); }
+  void publish() {
+    mapper_.snapshot(snapshot_);
+    ages_.apply(mapper_.map(), snapshot_);
+    toMessage(snapshot_, "base", published_);
+  }
+  void follow() { ages_.follow(mapper_.map(), mapper_.looks()); }
+  void all() {
+    unpack();
+    assemble();
+    handOn();
+    map();
+    publish();
+    follow();
+  }
+
+  [[nodiscard]] std::size_t points() const { return cloud_.points.size(); }
+  [[nodiscard]] const ScanReturns& returns() const { return returns_; }
+  [[nodiscard]] const CuboidMap& snapshot() const { return snapshot_; }
+  [[nodiscard]] Cloud& cloud() { return cloud_; }
+  [[nodiscard]] CloudStage& stage() { return stage_; }
+  [[nodiscard]] const test::DepthView& view() const { return view_; }
+
+ private:
+  static void require(const std::string& defect) {
+    if (defect.empty()) return;
+    std::fprintf(stderr, "%s\n", defect.c_str());
+    std::exit(2);
+  }
+
+  Sensor sensor_;
+  test::DepthView view_;
+  sensor_msgs::PointCloud2 message_;
+  CloudReader reader_{CloudLimits()};
+  CloudStage stage_;
+  Mapper mapper_;
+  PlaceAges ages_;
+  PosePath T_fixed_sensor_;
+  std::vector<PosePath> T_fixed_roots_;
+  Cloud cloud_;
+  tccm_monitor::CloudScan scan_;
+  ScanReturns returns_;
+  Time now_ = Time(fromSeconds(10.0));
+  CuboidMap snapshot_;
+  tccm_monitor::CuboidMap published_;
+};
+
+struct Row {
+  std::string what;
+  Latencies latencies;
+  std::size_t points = 0;
+};
+
+void print(Row& row) {
+  const double points = static_cast<double>(row.points);
+  std::printf("  %-62s %9.0f %9.1f %9.1f\n", row.what.c_str(), row.latencies.percentileUs(0.5),
+              1e3 * row.latencies.percentileUs(0.5) / points,
+              1e3 * row.latencies.percentileUs(0.99) / points);
+}
+
+void measureWay(const Sensor& sensor, int frames) {
+  Way way(sensor);
+  for (int i = 0; i < 20; ++i) way.all();
+  std::vector<std::pair<std::string, std::function<void()>>> stages = {
+      {"unpack the PointCloud2", [&] { way.unpack(); }},
+      {"to points and looks: limits, filters, self filter, transform", [&] { way.assemble(); }},
+      {"to the message between the nodelets and back", [&] { way.handOn(); }},
+      {"map, looks and hold", [&] { way.map(); }},
+      {"snapshot, and its message", [&] { way.publish(); }},
+      {"ages of places", [&] { way.follow(); }}};
+  std::vector<Row> rows;
+  for (const auto& [what, stage] : stages) rows.push_back({what, {}, way.points()});
+  Row all{"all of it", {}, way.points()};
+  for (int i = 0; i < frames; ++i) {
+    all.latencies.time([&] {
+      for (std::size_t k = 0; k < stages.size(); ++k) rows[k].latencies.time(stages[k].second);
+    });
+  }
+  for (Row& row : rows) print(row);
+  print(all);
+}
+
+/// What others, and parts alone, take for the same points.
+void measureBeside(const Sensor& sensor, int frames) {
+  Way way(sensor);
+  way.all();
+  CloudStage::Config without = stageConfig(sensor);
+  without.self_filter = false;
+  CloudStage stage(without, nullptr);
+  const PosePath path = way.view().sensorPath();
+  Row bare{"to points and looks, without a robot", {}, way.points()};
+  for (int i = 0; i < frames; ++i) {
+    bare.latencies.time([&] { static_cast<void>(stage.assemble(way.cloud(), path, {})); });
+  }
+  print(bare);
+
+  const Mapper::Config config = mapperConfig(sensor);
+  const std::vector<Vector3>& all = way.returns().points;
+  std::vector<Vector3> inside;
+  const Grid grid(config.map.grid);
+  for (const Vector3& p : all) {
+    if (grid.place(p)) inside.push_back(p);
+  }
+  IntegrationMap map(config.map);
+  Row map_alone{"the map alone: add a frame, take the oldest out", {}, way.points()};
+  Row a_point{"the same, for each point in its area", {}, inside.size()};
+  Time now(fromSeconds(10.0));
+  for (int i = 0; i < frames + 20; ++i, now += sensor.period) {
+    const auto step = [&] {
+      map.add(now, all);
+      while (now - map.oldestStamp() > fromSeconds(config.window_s)) map.expireOldest();
+    };
+    if (i < 20) {
+      step();
+    } else {
+      map_alone.latencies.time([&] { a_point.latencies.time(step); });
+    }
+  }
+  print(map_alone);
+  print(a_point);
+
+  octomap::Pointcloud cloud;
+  for (const Vector3& p : inside)
+    cloud.push_back(p.cast<float>().x(), p.cast<float>().y(), p.cast<float>().z());
+  const Vector3& eye = way.returns().viewpoint;
+  const octomap::point3d origin(static_cast<float>(eye.x()), static_cast<float>(eye.y()),
+                                static_cast<float>(eye.z()));
+  octomap::OcTree hits(config.map.grid.cell_size_m), rays(config.map.grid.cell_size_m);
+  Row hits_row{"OctoMap, hits alone (updateNode), for each of these", {}, inside.size()};
+  Row rays_row{"OctoMap, insertPointCloud with rays, for each of these", {}, inside.size()};
+  for (int i = 0; i < 7; ++i) {
+    hits_row.latencies.time([&] {
+      for (const octomap::point3d& p : cloud) hits.updateNode(p, true, true);
+      hits.updateInnerOccupancy();
+    });
+    rays_row.latencies.time([&] { rays.insertPointCloud(cloud, origin); });
+  }
+  print(hits_row);
+  print(rays_row);
+  std::printf(
+      "  %zu points, %zu left after the filters, %zu of them in the area, %zu looks, %zu cuboids\n",
+      way.points(), all.size(), inside.size(), way.returns().looks.size(),
+      way.snapshot().cuboids.size());
+}
+
+void measure(const Sensor& sensor, int frames) {
+  std::printf("%s\n  %-62s %9s %9s %9s\n", sensor.name, "", "us", "ns/point", "p99");
+  measureWay(sensor, frames);
+  measureBeside(sensor, frames);
+}
 
 }  // namespace
 }  // namespace tccm
+
+int main(int argc, char** argv) {
+  const int frames = argc > 1 ? std::atoi(argv[1]) : 200;
+  if (argc > 2 || frames < 1) {
+    std::fprintf(stderr, "usage: cloud_benchmark [frames]\n");
+    return 2;
+  }
+  tccm::measure({"depth camera, 640 x 480", false, std::chrono::milliseconds(33)}, frames);
+  tccm::measure({"lidar, 64 x 1024", true, std::chrono::milliseconds(100)}, frames);
+  return 0;
+}

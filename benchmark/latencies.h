@@ -1,7 +1,5 @@
 #pragma once
 
-#include <benchmark/benchmark.h>
-
 #include <algorithm>
 #include <chrono>
 #include <vector>
@@ -20,19 +18,20 @@ class Latencies {
     times_us_.push_back(taken.count());
   }
 
-  void report(benchmark::State& state) {
-    std::sort(times_us_.begin(), times_us_.end());
-    state.counters["p50_us"] = percentile(0.5);
-    state.counters["p99_us"] = percentile(0.99);
-    state.counters["max_us"] = percentile(1.0);
+  /// @param state google benchmark's.
+  template <typename State>
+  void report(State& state) {
+    state.counters["p50_us"] = percentileUs(0.5);
+    state.counters["p99_us"] = percentileUs(0.99);
+    state.counters["max_us"] = percentileUs(1.0);
   }
-
- private:
-  [[nodiscard]] double percentile(double share) const {
+  [[nodiscard]] double percentileUs(double share) {
     if (times_us_.empty()) return 0.0;
+    std::sort(times_us_.begin(), times_us_.end());
     return times_us_[static_cast<std::size_t>(share * static_cast<double>(times_us_.size() - 1))];
   }
 
+ private:
   std::vector<double> times_us_;
 };
 
