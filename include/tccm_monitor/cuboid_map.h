@@ -105,8 +105,10 @@ class Grid {
     constexpr double kShift = 6755399441055744.0;
     return (x + kShift) - kShift;
   }
-  /// Near a border the rounding decides.
-  [[nodiscard]] std::optional<Place> placeRounded(const Vector3& p_fixed) const;
+  static constexpr std::uint64_t kNowhere = ~std::uint64_t{0};
+  /// Near a border the rounding decides. In one word, the height above the cell's 32 bits: as a
+  /// struct the answer would go through memory, and with it every other.
+  [[nodiscard]] std::uint64_t placeRounded(const Vector3& p_fixed) const;
 
   Config config_;
   CellIndex cells_x_;
@@ -200,7 +202,9 @@ inline std::optional<Grid::Place> Grid::place(const Vector3& p_fixed) const {
     return Place{static_cast<CellIndex>(iy) * cells_x_ + static_cast<CellIndex>(ix),
                  static_cast<Height>(height)};
   }
-  return placeRounded(p_fixed);
+  const std::uint64_t word = placeRounded(p_fixed);
+  if (word == kNowhere) return std::nullopt;
+  return Place{static_cast<CellIndex>(word), static_cast<Height>(word >> 32)};
 }
 
 }  // namespace tccm

@@ -83,12 +83,13 @@ UprightBox Grid::area() const {
                           config_.height_max_m)};
 }
 
-std::optional<Grid::Place> Grid::placeRounded(const Vector3& p_fixed) const {
+std::uint64_t Grid::placeRounded(const Vector3& p_fixed) const {
   const Vector3 rounded(toMicrometre(p_fixed.x()), toMicrometre(p_fixed.y()),
                         toMicrometre(p_fixed.z()));
   const auto cell = cellOf(rounded);
-  if (!cell) return std::nullopt;
-  return Place{*cell, heightOf(rounded.z())};
+  if (!cell) return kNowhere;
+  return static_cast<std::uint64_t>(static_cast<std::uint16_t>(heightOf(rounded.z()))) << 32 |
+         *cell;
 }
 
 Height Grid::heightOf(double z) const {

@@ -9,6 +9,7 @@
 namespace tccm {
 namespace {
 
+constexpr std::size_t kChunk = 1024;      // returns between two looks at what room there is
 constexpr double kPlaceRounding = 1e-6;   // [m]; returns are rounded to the micrometre
 constexpr double kHeightRounding = 1e-9;  // [m]
 
@@ -24,7 +25,7 @@ std::uint32_t millisecondsUntil(Time now, Time then) {
 /// gathered already. The columns become what they would return by return.
 class ScanBatch {
  public:
-  /// @pre the columns have room for two intervals a return. @param serial of the scan, the newest.
+  /// @pre the columns have room for what needs() says. @param serial of the scan, the newest.
   ScanBatch(Columns& columns, std::uint32_t serial) : columns_(columns), serial_(serial) {}
 
   void add(CellIndex cell, Columns::Heights heights) {
@@ -43,9 +44,15 @@ class ScanBatch {
   /// What is gathered still. To be called at the end.
   void finish() {
     for (const Gathered& gathered : gathered_) insert(gathered);
+    gathered_ = {};
+  }
+  /// How many intervals there has to be room for before so many returns are added.
+  [[nodiscard]] static constexpr std::size_t needs(std::size_t returns) {
+    return 2 * (returns + kGathered);
   }
 
  private:
+  static constexpr std::size_t kGathered = 4;
   struct Gathered {
     CellIndex cell = std::numeric_limits<CellIndex>::max();  ///< none
     Columns::Heights heights = {0, 0};
@@ -57,7 +64,7 @@ class ScanBatch {
 
   Columns& columns_;
   std::uint32_t serial_;
-  std::array<Gathered, 4> gathered_ = {};
+  std::array<Gathered, kGathered> gathered_ = {};
   std::size_t next_ = 0;
 };
 
@@ -92,16 +99,15 @@ IntegrationMap::Added IntegrationMap::add(Time stamp, const std::vector<Vector3>
   newest_stamp_ = stamp;
   ring_.begin(serial_, stamp);
   const bool may_forget = forgotten_.begin(stamp);
-  const bool all_fit = columns_.room() >= 2 * returns.size() && ring_.room() >= returns.size();
   ScanBatch batch(columns_, serial_);
   Added added;
   // The loop over all returns is made twice: it is quicker where it has nothing more to ask.
-  const auto addEach = [&](auto takes) {
-    for (const Vector3& p_fixed : returns) {
-      const auto place = grid_.place(p_fixed);
+  const auto addEach = [&](const Vector3* begin, const Vector3* end, auto takes) {
+    for (const Vector3* p_fixed = begin; p_fixed != end; ++p_fixed) {
+      const auto place = grid_.place(*p_fixed);
       if (!place) {
         ++added.out_of_area;
-      } else if (takes(p_fixed, *place)) {
+      } else if (takes(*p_fixed, *place)) {
         note(*place);
         ++added.mapped;
       }
@@ -111,18 +117,26 @@ IntegrationMap::Added IntegrationMap::add(Time stamp, const std::vector<Vector3>
     batch.add(place.cell, occupiedBy(place));
     return true;
   };
-  const auto ask = [&](const Vector3& p_fixed, const MappedReturn& place) {
-    if (may_forget && forgotten_.contains(p_fixed)) {
-      ++added.forgotten;
+  // A camera's frame has more returns than there may ever be intervals, and needs few of these.
+  for (std::size_t i = 0; i < returns.size(); i += kChunk) {
+    const std::size_t count = std::min(kChunk, returns.size() - i);
+    const bool fits = columns_.room() >= ScanBatch::needs(count) && ring_.room() >= count;
+    if (!fits) batch.finish();
+    const auto ask = [&](const Vector3& p_fixed, const MappedReturn& place) {
+      if (may_forget && forgotten_.contains(p_fixed)) {
+        ++added.forgotten;
+        return false;
+      }
+      if (fits) return gather(p_fixed, place);
+      const auto [bottom, top] = occupiedBy(place);
+      if (ring_.room() > 0 && columns_.insert(place.cell, bottom, top, serial_)) return true;
+      overflow_serial_ = serial_;
       return false;
-    }
-    if (all_fit) return gather(p_fixed, place);
-    const auto [bottom, top] = occupiedBy(place);
-    if (ring_.room() > 0 && columns_.insert(place.cell, bottom, top, serial_)) return true;
-    overflow_serial_ = serial_;
-    return false;
-  };
-  all_fit && !may_forget ? addEach(gather) : addEach(ask);
+    };
+    const Vector3* begin = returns.data() + i;
+    fits && !may_forget ? addEach(begin, begin + count, gather)
+                        : addEach(begin, begin + count, ask);
+  }
   batch.finish();
   return added;
 }
