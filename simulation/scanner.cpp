@@ -1,147 +1,16 @@
 #include "simulation/scanner.h"
 
-#include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 #include <limits>
 
+#include "simulation/ray_caster.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
 namespace {
 
 constexpr double kDegree = M_PI / 180.0;
-
-struct Hit {
-  double range = std::numeric_limits<double>::infinity();
-  std::size_t target = 0;
-  std::size_t label = 0;
-
-  [[nodiscard]] bool found() const { return std::isfinite(range); }
-};
-
-/// A snapshot's targets, made ready for many rays.
-class RayCaster {
- public:
-  explicit RayCaster(const Snapshot& snapshot)
-      : sensor_(snapshot.T_fixed_sensor.translation()),
-        normal_(snapshot.T_fixed_sensor.linear().col(2)) {
-    for (std::size_t i = 0; i < snapshot.targets.shapes.size(); ++i) {
-      const Pose& T_fixed_shape = snapshot.targets.poses[i];
-      const Pose T_shape_fixed = T_fixed_shape.inverse();
-      if (distance(snapshot.targets.shapes[i], T_shape_fixed * sensor_) == 0.0) continue;
-      targets_.push_back({snapshot.targets.shapes[i], T_shape_fixed, T_fixed_shape.translation(),
-                          boundingRadius(snapshot.targets.shapes[i]), snapshot.labels[i]});
-      all_.push_back(all_.size());
-      if (meetsScanPlane(targets_.back())) near_plane_.push_back(all_.back());
-    }
-  }
-
-  /// From now on rays are cast from there along the direction, or aside of it by no more than the
-  /// angle.
-  void aim(const Ray& axis, double angle) {
-    const double spread = std::tan(angle);
-    aimed_at_.clear();
-    for (const std::size_t i : isNearPlane(axis, spread) ? near_plane_ : all_) {
-      const Target& target = targets_[i];
-      const Vector3 to_centre = target.centre - axis.origin;
-      const double along = to_centre.dot(axis.direction);
-      const double reach = target.radius + spread * (std::abs(along) + target.radius);
-      const double across_squared = to_centre.squaredNorm() - along * along;
-      if (along >= -target.radius - reach && across_squared <= reach * reach + kTiny) {
-        aimed_at_.push_back(i);
-      }
-    }
-  }
-
-  /// @pre aim() included the ray.
-  [[nodiscard]] Hit cast(const Ray& ray, double range_max) const {
-    Hit nearest;
-    for (const std::size_t i : aimed_at_) {
-      const Target& target = targets_[i];
-      const Vector3 to_centre = target.centre - ray.origin;
-      const double along = to_centre.dot(ray.direction);
-      const double across_squared = to_centre.squaredNorm() - along * along;
-      if (along < -target.radius || across_squared > target.radius * target.radius) continue;
-      const std::optional<LineSpan> span =
-          intersect(target.shape, transformed(ray, target.T_shape_fixed));
-      if (span && span->enter < nearest.range && span->enter <= range_max) {
-        nearest = {span->enter, i, target.label};
-      }
-    }
-    return nearest;
-  }
-
- private:
-  struct Target {
-    Shape shape;
-    Pose T_shape_fixed;
-    Vector3 centre;
-    double radius;
-    std::size_t label;
-  };
-  static constexpr double kTiny = 1e-9;  // [m^2], far above rounding
-  // Within a scan the sensor turns and moves a little: a ray begins within kAside of where it was,
-  // and leaves the plane of the scan by no more than kSlope of its length.
-  static constexpr double kAside = 0.01;  // [m]
-  static constexpr double kSlope = 0.05;
-
-  [[nodiscard]] bool isNearPlane(const Ray& axis, double spread) const {
-    return (axis.origin - sensor_).norm() <= kAside &&
-           std::abs(normal_.dot(axis.direction)) + spread <= kSlope;
-  }
-  /// @return true where a ray that is near the plane may meet it.
-  [[nodiscard]] bool meetsScanPlane(const Target& target) const {
-    const Vector3 to_centre = target.centre - sensor_;
-    const double length_max = to_centre.norm() + target.radius + kAside;
-    return std::abs(normal_.dot(to_centre)) <= target.radius + kAside + kSlope * length_max;
-  }
-
-  Vector3 sensor_;
-  Vector3 normal_;  ///< of the plane of the scan
-  std::vector<Target> targets_;
-  std::vector<std::size_t> all_;         ///< indices, rising
-  std::vector<std::size_t> near_plane_;  ///< those that a ray near the plane may meet, rising
-  std::vector<std::size_t> aimed_at_;    ///< indices, rising
-};
-
-/// The sensor's pose and the targets at any instant between the first and the last snapshot.
-class MovingScene {
- public:
-  explicit MovingScene(const std::vector<Snapshot>& snapshots)
-      : snapshots_(snapshots), casters_(snapshots.size()) {
-    for (const Snapshot& snapshot : snapshots) {
-      T_fixed_sensor_.add(snapshot.stamp, snapshot.T_fixed_sensor);
-    }
-  }
-
-  [[nodiscard]] Pose sensorAt(Time stamp) const {
-    const std::optional<Pose> pose = T_fixed_sensor_.at(stamp);
-    assert(pose);
-    return *pose;
-  }
-
-  [[nodiscard]] RayCaster& casterAt(Time stamp) {
-    const std::size_t index = nearestTo(stamp);
-    if (!casters_[index]) casters_[index].emplace(snapshots_[index]);
-    return *casters_[index];
-  }
-
- private:
-  [[nodiscard]] std::size_t nearestTo(Time stamp) const {
-    const auto later = std::find_if(snapshots_.begin(), snapshots_.end(),
-                                    [&](const Snapshot& s) { return s.stamp >= stamp; });
-    auto index = static_cast<std::size_t>(later - snapshots_.begin());
-    if (index == snapshots_.size()) return index - 1;
-    if (index > 0 && stamp - snapshots_[index - 1].stamp < later->stamp - stamp) --index;
-    return index;
-  }
-
-  const std::vector<Snapshot>& snapshots_;
-  std::vector<std::optional<RayCaster>> casters_;  ///< those that were asked for
-  PosePath T_fixed_sensor_;
-};
 
 Vector3 direction(double azimuth, double elevation) {
   return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
@@ -228,15 +97,6 @@ Scanner::Scanner(const Config& config, std::uint64_t seed) : config_(config), ra
 
 double Scanner::noisy(double range) { return range + config_.noise_m * normal_(random_); }
 
-/// A chain of straddling beams keeps to what it does, so that false points come in runs.
-void Scanner::advanceMixing() {
-  const bool changes = uniform_(random_) >= config_.mixed_persistence;
-  const bool mixes = uniform_(random_) < config_.mixed_share;
-  const double share = 0.05 + 0.9 * uniform_(random_);
-  if (!changes) return;
-  mixing_ = {mixes, share};
-}
-
 SimulatedScan Scanner::measure(Time stamp, const std::vector<Snapshot>& snapshots) {
   SimulatedScan result;
   LaserScan& scan = result.scan;
@@ -256,7 +116,8 @@ SimulatedScan Scanner::measure(Time stamp, const std::vector<Snapshot>& snapshot
     BeamTruth truth;
     if (spot.axis.found()) truth.label = spot.axis.label;
     if (spot.straddles(config_.mixed_gap_m)) {
-      advanceMixing();
+      mixing_.advance(config_.mixed_share, config_.mixed_persistence,
+                      [this] { return uniform_(random_); });
       truth.mixed = mixing_.on;
       if (truth.mixed) {
         truth.mixed_near = spot.nearest.label;

@@ -6,28 +6,11 @@
 #include <random>
 #include <vector>
 
-#include "geometry/ray.h"
+#include "simulation/mixing.h"
+#include "simulation/snapshot.h"
 #include "tccm_monitor/laser_scan.h"
-#include "tccm_monitor/pose.h"
-#include "tccm_monitor/shape.h"
 
 namespace tccm::simulation {
-
-/// Everything a beam can hit at one instant, and the sensor. A target is a shape of the body.
-struct Snapshot {
-  Time stamp;
-  Pose T_fixed_sensor;
-  Body targets;
-  std::vector<std::size_t> labels;  ///< what each target is called in BeamTruth
-};
-
-/// What a beam really met.
-struct BeamTruth {
-  std::optional<std::size_t> label;  ///< of the surface on the beam's axis; nothing within range
-  bool mixed = false;                ///< the range lies between two surfaces
-  std::size_t mixed_near = 0;        ///< label of the nearer of them; only where mixed
-  std::size_t mixed_far = 0;         ///< label of the farther one
-};
 
 struct SimulatedScan {
   LaserScan scan;
@@ -71,13 +54,7 @@ class Scanner {
   [[nodiscard]] SimulatedScan measure(Time stamp, const std::vector<Snapshot>& snapshots);
 
  private:
-  struct Mixing {
-    bool on = false;
-    double share = 0.5;  ///< of the far surface in the measured range
-  };
-
   [[nodiscard]] double noisy(double range);
-  void advanceMixing();
 
   Config config_;
   std::vector<SpotRays> spots_;  ///< of each beam

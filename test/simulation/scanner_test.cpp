@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "geometry/ray.h"
 #include "simulation/world.h"
 #include "support/random.h"
 
