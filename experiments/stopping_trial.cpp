@@ -206,10 +206,10 @@ bool StoppingTrial::hasSupport(const Evidence& evidence) const {
   const auto at = [columns](CellIndex cell) {
     return std::pair(static_cast<int>(cell) % columns, static_cast<int>(cell) / columns);
   };
-  const auto [x, y] = at(evidence.place.cell);
+  const auto place = at(evidence.place.cell);
   const auto supporting = std::count_if(evidence_.begin(), evidence_.end(), [&](const auto& other) {
     const auto [other_x, other_y] = at(other.place.cell);
-    return std::abs(other_x - x) <= 1 && std::abs(other_y - y) <= 1 &&
+    return std::abs(other_x - place.first) <= 1 && std::abs(other_y - place.second) <= 1 &&
            std::abs(other.place.height - evidence.place.height) <= grid_.heightOf(kSupport);
   });
   return static_cast<std::size_t>(supporting) >= kSupporting;

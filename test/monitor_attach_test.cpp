@@ -104,7 +104,7 @@ class MonitorAttachTest : public ::testing::Test {
     for (const double offset : {-0.001, 0.0, 0.001}) {
       sensor.add(at(now_ + offset), sensorAt(now_ + offset));
     }
-    const auto outcome = monitor.addScan(at(now_ + 0.005), scanAt(now_), sensor, {root_});
+    auto outcome = monitor.addScan(at(now_ + 0.005), scanAt(now_), sensor, {root_});
     EXPECT_EQ(outcome.dropped, "");
     monitor.checker().setRootPose(0, Time(), Pose::Identity(), true);
     const Verdict& verdict = monitor.checker().check(at(now_ + 0.005));

@@ -79,8 +79,8 @@ void describe(CLI::App& app, Options& options) {
 std::shared_ptr<const RobotModel> readModel(const Options& options, const MonitorConfig& settings) {
   const RobotResources resources = resourcesIn(options.package_path);
   if (options.urdf.empty()) return nullptr;
-  const auto model = std::make_shared<const RobotModel>(readText(options.urdf, "the URDF"),
-                                                        settings.robot, resources);
+  auto model = std::make_shared<const RobotModel>(readText(options.urdf, "the URDF"),
+                                                  settings.robot, resources);
   tellWarnings(*model, "evaluate");
   return model;
 }

@@ -24,7 +24,7 @@ namespace tccm {
 /// let go of what was seen of it; were it earlier, the object would touch its own old cuboids.
 class Attachments {
  public:
-  Attachments(ros::NodeHandle node, const CheckerConfig& config, Checker& checker)
+  Attachments(const ros::NodeHandle& node, const CheckerConfig& config, Checker& checker)
       : config_(config), checker_(checker) {
     publisher_ = advertise<tccm_monitor::AttachedObjects>(node, "attached_objects", 1, true);
     attach_service_ = serve(node, "attach_object", &Attachments::attach, this);

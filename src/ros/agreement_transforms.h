@@ -11,7 +11,7 @@ namespace tccm {
 /// What a history knows, as the comparison with the model asks for it. @param history outlives it.
 [[nodiscard]] inline ModelAgreement::Transforms transformsOf(const TransformHistory& history) {
   // An arm at 2 rad/s goes some millimetres off the straight way between two such transforms.
-  constexpr Duration kGapMax = std::chrono::milliseconds(150);
+  static constexpr Duration kGapMax = std::chrono::milliseconds(150);
   using Newest = ModelAgreement::Transforms::Newest;
   return {
       [&history](const std::string& reference, const std::string& frame) -> std::optional<Newest> {

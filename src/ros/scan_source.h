@@ -154,7 +154,7 @@ class WaitingScans {
   }
   /// For people.
   [[nodiscard]] std::string whyNotPlaced(const Ready& scan, Time now) const {
-    const std::string unknown = unknownFrame(scan);
+    std::string unknown = unknownFrame(scan);
     if (!unknown.empty()) return unknown;
     return "tf cannot place its frame '" + scan.frame + "' in '" + config_.fixed_frame +
            "' at its time; " + stampText(stampOf(scan.scan), now);

@@ -25,7 +25,7 @@ const CloudReader kReader{CloudLimits{}};
 
 std::string refusalOf(const PointCloud2& message, const CloudReader& reader = kReader) {
   Cloud cloud;
-  const std::string defect = reader.read(message, cloud);
+  std::string defect = reader.read(message, cloud);
   EXPECT_EQ(defect.find('\n'), std::string::npos) << defect;
   return defect;
 }

@@ -50,8 +50,9 @@ PosePath standing(const Pose& pose) {
 std::vector<Vector3> patch(double away, std::size_t edge) {
   std::vector<Vector3> points;
   for (std::size_t i = 0; i < edge * edge; ++i) {
-    points.emplace_back(0.002 * static_cast<double>(i % edge),
-                        0.002 * static_cast<double>(i / edge), away);
+    const std::size_t row = i / edge;
+    points.emplace_back(0.002 * static_cast<double>(i % edge), 0.002 * static_cast<double>(row),
+                        away);
   }
   return points;
 }

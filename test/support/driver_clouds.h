@@ -119,8 +119,9 @@ inline DriverCloud velodyneCloud() {
   cloud.message.row_step = 0;
   putPoints(cloud);
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    const std::size_t firing = i / 16;
     const float time =
-        -0.0995F + 55.296e-6F * static_cast<float>(i / 16) + 2.304e-6F * static_cast<float>(i % 16);
+        -0.0995F + 55.296e-6F * static_cast<float>(firing) + 2.304e-6F * static_cast<float>(i % 16);
     put(cloud.message, i, 18, time);
     cloud.offsets_s.push_back(static_cast<double>(time));
   }
@@ -188,7 +189,8 @@ inline DriverCloud hesaiCloud() {
                               {"timestamp", 18, kF64}});
   putPoints(cloud);
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
-    const double offset = 111e-6 * static_cast<double>(i / 32);
+    const std::size_t firing = i / 32;
+    const double offset = 111e-6 * static_cast<double>(firing);
     put(cloud.message, i, 18, 1700000000.25 + offset);
     cloud.offsets_s.push_back(offset);
   }
