@@ -128,6 +128,8 @@ int run(Options& options) {
 }  // namespace
 }  // namespace tccm::simulation
 
+// Its arguments may not fit into memory; then it ends.
+// NOLINTNEXTLINE(bugprone-exception-escape)
 int main(int argc, char** argv) {
   using namespace tccm::simulation;
   Options options;

@@ -220,6 +220,8 @@ int evaluate(Options& options) {
 }  // namespace
 }  // namespace tccm
 
+// Its arguments may not fit into memory; then it ends.
+// NOLINTNEXTLINE(bugprone-exception-escape)
 int main(int argc, char** argv) {
   return tccm::runProgram("evaluate",
                           "Replays a bag through the monitor's core as fast as it can, without a "

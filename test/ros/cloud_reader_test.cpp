@@ -78,8 +78,8 @@ TEST(CloudReaderTest, ThePageOnSensorsHasEachDriversFieldsAndTime) {
         rows.begin(), rows.end(),
         [begin = begin](const std::string& line) { return line.rfind(begin, 0) == 0; });
     ASSERT_NE(row, rows.end()) << begin;
-    EXPECT_NE(row->find(fields + " | " + time), std::string::npos)
-        << *row << "\nshould have " << fields << " | " << time;
+    fields.append(" | ").append(time);
+    EXPECT_NE(row->find(fields), std::string::npos) << *row << "\nshould have " << fields;
   }
 }
 
