@@ -95,6 +95,13 @@ void SensorConfig::describe(ParameterTable& table) {
             "of its scans (sensor_msgs/LaserScan), or clouds (sensor_msgs/PointCloud2)");
 }
 
+void requireOneAssembler(const std::string& sensor, bool has_scans, bool has_clouds) {
+  if (!has_scans || !has_clouds) return;
+  throw ConfigError(sensor +
+                    ": it has tilt_scan_assembler and cloud_assembler; keep the one for what it "
+                    "publishes, scans or clouds");
+}
+
 std::vector<SensorConfig> MonitorConfig::sensors() const {
   if (!named_sensors.empty()) return named_sensors;
   return {{"", topics.scan, assembler, std::nullopt, mapper}};
@@ -138,12 +145,9 @@ SensorConfig readSensor(YAML::Node section, const std::string& name) {
   }
   SensorConfig sensor;
   sensor.name = name;
-  if (section[SensorConfig::kCloudAssembler]) {
-    if (section[SensorConfig::kScanAssembler]) {
-      throw ConfigError(name +
-                        ": it has tilt_scan_assembler and cloud_assembler; keep the one for " +
-                        "what it publishes, scans or clouds");
-    }
+  const bool has_clouds(section[SensorConfig::kCloudAssembler]);
+  requireOneAssembler(name, bool(section[SensorConfig::kScanAssembler]), has_clouds);
+  if (has_clouds) {
     takeSection(section, name, SensorConfig::kCloudAssembler, sensor.cloud_assembler.emplace());
   } else {
     takeSection(section, name, SensorConfig::kScanAssembler, sensor.assembler);

@@ -146,6 +146,10 @@ struct MonitorConfig {
   static constexpr const char* kRobotSection = "monitored_robot";
 };
 
+/// @param sensor for people. @throws ConfigError where it has an assembler for scans and one for
+/// clouds.
+void requireOneAssembler(const std::string& sensor, bool has_scans, bool has_clouds);
+
 /// Takes what a section or namespace sets.
 /// @return the keys that nothing reads: slips, most likely. @throws ConfigError naming the key.
 template <typename Config>

@@ -13,6 +13,15 @@ namespace {
 
 constexpr Duration kJumpMin = std::chrono::seconds(1);  // less is jitter between messages
 
+/// All sensors ask one history: the strictest of them counts.
+Duration gapMaxOf(const MonitorConfig& settings) {
+  double gap_max_s = settings.sensors().front().placing().transform_gap_max_s;
+  for (const SensorConfig& sensor : settings.sensors()) {
+    gap_max_s = std::min(gap_max_s, sensor.placing().transform_gap_max_s);
+  }
+  return fromSeconds(gap_max_s);
+}
+
 }  // namespace
 
 Evaluation::Evaluation(const MonitorConfig& settings, std::shared_ptr<const RobotModel> model,
@@ -22,7 +31,7 @@ Evaluation::Evaluation(const MonitorConfig& settings, std::shared_ptr<const Robo
       fixed_frame_(withoutSlash(settings.checker.fixed_frame)),
       root_frames_(monitor_.hasRobot() ? monitor_.checker().model()->rootFrames()
                                        : std::vector<std::string>()),
-      transforms_(fromSeconds(settings.sensors().front().placing().transform_gap_max_s)) {
+      transforms_(gapMaxOf(settings)) {
   for (const SensorConfig& sensor : settings.sensors()) openSource(sensor);
 }
 

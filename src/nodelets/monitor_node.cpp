@@ -2,11 +2,15 @@
 /// that `collision_checker/sensors` names have an assembler and a mapper each, in a namespace of
 /// the sensor's name.
 
+#include <nodelet/NodeletList.h>
 #include <nodelet/NodeletLoad.h>
 #include <nodelet/NodeletUnload.h>
 #include <nodelet/loader.h>
+#include <ros/callback_queue.h>
 #include <ros/ros.h>
 
+#include <algorithm>
+#include <csignal>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,6 +24,15 @@ namespace {
 
 using Nodelets = std::vector<std::pair<std::string, std::string>>;
 using Remappings = nodelet::M_string;
+
+volatile std::sig_atomic_t end_requested = 0;
+
+bool isToEnd() { return end_requested != 0 || !ros::ok(); }
+
+/// For a while, what waits for this thread.
+void spinFor(double seconds) {
+  ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(seconds));
+}
 
 /// Names that the nodelets of a sensor share with all others, though they have a namespace of their
 /// own; and its scans or clouds.
@@ -41,25 +54,23 @@ void remapInputs(const std::string& sensor, Remappings& remappings) {
 std::string assemblerOf(const std::string& sensor) {
   const ros::NodeHandle own(sensor);
   const bool has_clouds = own.hasParam(SensorConfig::kCloudAssembler);
-  if (has_clouds && own.hasParam(SensorConfig::kScanAssembler)) {
-    throw ConfigError(own.getNamespace() +
-                      ": it has tilt_scan_assembler and cloud_assembler; keep the one for what it "
-                      "publishes, scans or clouds");
-  }
+  requireOneAssembler(own.getNamespace(), own.hasParam(SensorConfig::kScanAssembler), has_clouds);
   return has_clouds ? SensorConfig::kCloudAssembler : SensorConfig::kScanAssembler;
 }
 
+bool isIn(const YAML::Node& map, const std::string& key) { return map && map.IsMap() && map[key]; }
+
 /// Launch files cannot clear the namespaces of sensors that they do not know.
-void tellLeftovers(const std::string& sensor) {
-  const ros::NodeHandle node;
-  std::string path, keys;
-  if (!node.getParam("tccm_monitor_config", path)) return;
-  const YAML::Node file = loadYamlFile(path)[sensor];
+/// @param path of the file that was loaded. @throws ConfigError
+void tellLeftovers(const std::string& sensor, const std::string& path) {
+  const YAML::Node all = loadYamlFile(path);
+  const YAML::Node file = isIn(all, sensor) ? all[sensor] : YAML::Node();
+  std::string keys;
   for (const char* section :
        {SensorConfig::kScanAssembler, SensorConfig::kCloudAssembler, SensorConfig::kMapper}) {
     for (const auto& entry : parametersOf(ros::NodeHandle(sensor + "/" + section))) {
       const auto key = entry.first.as<std::string>();
-      if (file && file[section] && file[section][key]) continue;
+      if (isIn(file, section) && isIn(file[section], key)) continue;
       keys += (keys.empty() ? "" : ", ") + std::string(section) + "/" + key;
     }
   }
@@ -67,12 +78,14 @@ void tellLeftovers(const std::string& sensor) {
   ROS_WARN(
       "Of %s the parameter server has what is not in %s: %s. An earlier launch left it there, "
       "or it was set beside the file.",
-      node.resolveName(sensor).c_str(), path.c_str(), keys.c_str());
+      ros::names::resolve(sensor).c_str(), path.c_str(), keys.c_str());
 }
 
 /// @throws ConfigError
 Nodelets nodeletsOf(Remappings& remappings) {
-  const auto config = configFrom<CheckerConfig>(ros::NodeHandle("collision_checker"));
+  const ros::NodeHandle checker("collision_checker");
+  const auto config = configFrom<CheckerConfig>(checker);
+  const std::string file = soundFile(checker);
   Nodelets nodelets;
   const auto addSensor = [&](const std::string& prefix, const std::string& assembler) {
     const bool has_clouds = assembler == SensorConfig::kCloudAssembler;
@@ -82,7 +95,7 @@ Nodelets nodeletsOf(Remappings& remappings) {
   };
   for (const SensorInput::Config& sensor : config.checker.inputs.sensors) {
     remapInputs(sensor.name, remappings);
-    tellLeftovers(sensor.name);
+    if (!file.empty()) tellLeftovers(sensor.name, file);
     addSensor(sensor.name + "/", assemblerOf(sensor.name));
   }
   if (nodelets.empty()) addSensor("", SensorConfig::kScanAssembler);
@@ -97,19 +110,20 @@ class Manager {
   Manager(const Manager&) = delete;
   Manager& operator=(const Manager&) = delete;
   ~Manager() {
-    for (auto name = loaded_.rbegin(); name != loaded_.rend() && isThere(); ++name) {
-      nodelet::NodeletUnload call;
-      call.request.name = *name;
-      ros::service::call(name_ + "/unload_nodelet", call);
-    }
+    for (auto name = loaded_.rbegin(); name != loaded_.rend() && ros::ok(); ++name) unload(*name);
   }
 
   void awaitStart() const {
-    while (ros::ok() && !ros::service::waitForService(service(), 5000)) {
-      ROS_WARN("There is no nodelet manager %s yet.", name_.c_str());
+    while (!isToEnd() && !ros::service::waitForService(service("load_nodelet"), 1000)) {
+      ROS_WARN_THROTTLE(5.0, "There is no nodelet manager %s yet.", name_.c_str());
     }
   }
   bool load(const std::string& name, const std::string& type, const Remappings& remappings) {
+    if (holds(name)) {
+      ROS_WARN("%s was left in %s by a monitor_node that is gone; it is loaded anew.", name.c_str(),
+               name_.c_str());
+      unload(name);
+    }
     nodelet::NodeletLoad call;
     call.request.name = name;
     call.request.type = type;
@@ -117,26 +131,36 @@ class Manager {
       call.request.remap_source_args.push_back(from);
       call.request.remap_target_args.push_back(to);
     }
-    const bool is_loaded = ros::service::call(service(), call) && call.response.success;
+    const bool is_loaded =
+        ros::service::call(service("load_nodelet"), call) && call.response.success;
     if (is_loaded) loaded_.push_back(name);
     return is_loaded;
   }
   /// Until this process is to end. @return whether the manager is there still.
   [[nodiscard]] bool stay() const {
     constexpr int kMissesMax = 3;  // a busy master or manager may miss one
-    int misses = 0;
-    for (ros::WallDuration second(1.0); ros::ok() && misses < kMissesMax; second.sleep()) {
-      ros::spinOnce();
-      misses = isThere() ? 0 : misses + 1;
+    for (int misses = 0; misses < kMissesMax;) {
+      for (int i = 0; i < 10 && !isToEnd(); ++i) spinFor(0.1);
+      if (isToEnd()) return true;
+      misses = ros::service::exists(service("load_nodelet"), false) ? 0 : misses + 1;
     }
-    if (!ros::ok()) return true;
     ROS_FATAL("The nodelet manager %s is gone, and the monitor with it.", name_.c_str());
     return false;
   }
 
  private:
-  [[nodiscard]] std::string service() const { return name_ + "/load_nodelet"; }
-  [[nodiscard]] bool isThere() const { return ros::service::exists(service(), false); }
+  [[nodiscard]] std::string service(const char* name) const { return name_ + "/" + name; }
+  [[nodiscard]] bool holds(const std::string& nodelet) const {
+    nodelet::NodeletList call;
+    if (!ros::service::call(service("list"), call)) return false;
+    const std::vector<std::string>& all = call.response.nodelets;
+    return std::find(all.begin(), all.end(), nodelet) != all.end();
+  }
+  void unload(const std::string& nodelet) const {
+    nodelet::NodeletUnload call;
+    call.request.name = nodelet;
+    ros::service::call(service("unload_nodelet"), call);
+  }
 
   std::string name_;
   std::vector<std::string> loaded_;
@@ -168,7 +192,7 @@ int run() {
   for (const auto& [nodelet, type] : nodelets) {
     if (!loader.load(node.resolveName(nodelet), type, remappings, {})) return 1;
   }
-  ros::spin();
+  while (!isToEnd()) spinFor(0.1);
   return 0;
 }
 
@@ -176,6 +200,10 @@ int run() {
 }  // namespace tccm
 
 int main(int argc, char** argv) {
-  ros::init(argc, argv, "tccm_monitor");
+  // What is in a manager is unloaded while ROS still runs.
+  ros::init(argc, argv, "tccm_monitor", ros::init_options::NoSigintHandler);
+  for (const int signal : {SIGINT, SIGTERM}) {
+    std::signal(signal, [](int /*signal*/) { tccm::end_requested = 1; });
+  }
   return tccm::run();
 }

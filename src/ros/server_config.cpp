@@ -75,15 +75,16 @@ YAML::Node parametersOf(const ros::NodeHandle& node) {
   return node.getParam(node.getNamespace(), value) ? toYaml(value) : YAML::Node();
 }
 
-void requireSoundFile(const ros::NodeHandle& node) {
+std::string soundFile(const ros::NodeHandle& node) {
   std::string key, path;
-  if (!ros::param::search(node.getNamespace(), "tccm_monitor_config", key)) return;
+  if (!ros::param::search(node.getNamespace(), "tccm_monitor_config", key)) return {};
   if (!ros::param::get(key, path)) throw ConfigError(key + ": it is no text; it names a file");
   if (!std::ifstream(path)) {
     ROS_WARN("%s: it cannot be read here, and not be searched for keys given twice.", path.c_str());
-    return;
+    return {};
   }
   static_cast<void>(loadYamlFile(path));
+  return path;
 }
 
 std::shared_ptr<const RobotModel> sharedRobotModel(const ros::NodeHandle& node) {

@@ -14,14 +14,15 @@ namespace tccm {
 [[nodiscard]] YAML::Node parametersOf(const ros::NodeHandle& node);
 
 /// The file that the launch file loaded says the same to whoever reads it: a key given twice is
-/// lost once it is on the parameter server. @throws ConfigError
-void requireSoundFile(const ros::NodeHandle& node);
+/// lost once it is on the parameter server. @return its path; empty where there is none that can be
+/// read here. @throws ConfigError
+std::string soundFile(const ros::NodeHandle& node);
 
 /// A configuration as the parameter server has it; warns of keys that nothing reads.
 /// @throws ConfigError
 template <typename Config>
 [[nodiscard]] Config configFrom(const ros::NodeHandle& node) {
-  requireSoundFile(node);
+  soundFile(node);
   Config config;
   for (const std::string& key : load(parametersOf(node), node.getNamespace(), config)) {
     ROS_WARN("%s/%s: there is no such parameter; it is ignored.", node.getNamespace().c_str(),
