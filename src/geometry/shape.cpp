@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "geometry/point_distance.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
@@ -56,23 +57,6 @@ struct BoundingExtents {
     return (rotation.col(2).cwiseAbs() * c.half_length).array() + c.radius;
   }
   Vector3 operator()(const Sphere& s) const { return Vector3::Constant(s.radius); }
-};
-
-struct PointDistance {
-  Vector3 p;
-  double operator()(const Box& box) const {
-    return (p.cwiseAbs() - box.half_extents).cwiseMax(0.0).norm();
-  }
-  double operator()(const Cylinder& c) const {
-    const double outward = std::max(0.0, p.head<2>().norm() - c.radius);
-    const double beyond = std::max(0.0, std::abs(p.z()) - c.half_length);
-    return std::sqrt(outward * outward + beyond * beyond);
-  }
-  double operator()(const Capsule& c) const {
-    const Vector3 on_axis(0.0, 0.0, std::clamp(p.z(), -c.half_length, c.half_length));
-    return std::max(0.0, (p - on_axis).norm() - c.radius);
-  }
-  double operator()(const Sphere& s) const { return std::max(0.0, p.norm() - s.radius); }
 };
 
 struct Validate {

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "geometry/point_distance.h"
 
 namespace tccm {
 namespace {
@@ -41,6 +44,22 @@ double squaredDistance(const Ray& ray, double length, const Vector3& p) {
   return (ray.at(along) - p).squaredNorm();
 }
 
+/// std::visit calls through a table, which takes as long as what is called.
+template <typename Ask>
+auto ask(const Shape& shape, const Ask& ask) {
+  if (const auto* box = std::get_if<Box>(&shape)) return ask(*box);
+  if (const auto* capsule = std::get_if<Capsule>(&shape)) return ask(*capsule);
+  if (const auto* cylinder = std::get_if<Cylinder>(&shape)) return ask(*cylinder);
+  return ask(*std::get_if<Sphere>(&shape));
+}
+
+/// As intersect(), but empty where the ray misses.
+LineSpan spanOf(const Shape& shape, const Ray& ray) {
+  LineSpan span = ask(shape, [&ray](const auto& solid) { return lineSpan(solid, ray); });
+  if (span.empty() || span.leave < 0.0) return LineSpan::none();
+  return {std::max(0.0, span.enter), span.leave};
+}
+
 }  // namespace
 
 CloudBodyFilter::CloudBodyFilter() : cube_(kEdge), pixels_(cube_.pixels()) {
@@ -68,28 +87,42 @@ void CloudBodyFilter::draw(const BodyFilter& filter, const RangeNoise& noise,
   noise_ = noise;
   shadow_ = static_cast<float>(filter.shadow_depth_m);
   std::fill(pixels_.begin(), pixels_.end(), Pixel());
+  near_ = std::numeric_limits<float>::infinity();
+  far_ = -std::numeric_limits<float>::infinity();
   shapes_ = samples.empty() ? 0 : samples.front().body.shapes.size();
+  last_ = 0;
   self_counts_.assign(shapes_, 0);
+  if (shapes_ == 0) return;
   prepare(samples);
+  placeSensor(places);
   for (std::size_t i = 0; i < shapes_; ++i) drawShape(i, samples, places);
 }
 
 void CloudBodyFilter::prepare(const std::vector<BodySample>& samples) {
-  prepared_.resize(samples.size() * shapes_, Prepared{Sphere{}, Sphere{}, Sphere{}, {}, {}, 0, 0});
+  prepared_.resize(samples.size() * shapes_, Prepared{Sphere{}, Sphere{}, Sphere{}, 0, 0});
+  fixed_poses_.resize(samples.size());
   auto prepared = prepared_.begin();
-  for (const BodySample& sample : samples) {
-    const Body& body = sample.body;
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const Body& body = samples[k].body;
+    fixed_poses_[k].assign(body.poses.begin(), body.poses.end());
     for (std::size_t i = 0; i < shapes_; ++i) {
       const double padding = body.paddings_m[i];
-      *prepared++ = {body.shapes[i],
-                     expanded(body.shapes[i], {1.0, padding}),
-                     expanded(body.shapes[i], {1.0, filter_.grazing_m}),
-                     body.poses[i].inverse(),
-                     body.poses[i].translation(),
-                     padding,
+      *prepared++ = {body.shapes[i], expanded(body.shapes[i], {1.0, padding}),
+                     expanded(body.shapes[i], {1.0, filter_.grazing_m}), padding,
                      boundingRadius(body.shapes[i]) + std::max(padding, 2.0 * filter_.grazing_m)};
     }
   }
+}
+
+void CloudBodyFilter::placeSensor(const std::vector<CloudPlace>& places) {
+  sensor_poses_.resize(places.size());
+  samples_.resize(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    sensor_poses_[i] = places[i].T_fixed_sensor.inverse(Eigen::Isometry);
+    samples_[i] = places[i].sample;
+  }
+  ++drawing_;
+  seen_.resize(places.size() * shapes_);
 }
 
 /// Over all places at once: balls that contain the shape wherever it is seen from.
@@ -103,20 +136,30 @@ void CloudBodyFilter::drawShape(std::size_t shape, const std::vector<BodySample>
   const double half = row.half_axis.norm();
   const int balls =
       std::clamp(static_cast<int>(std::ceil(half / std::max(row.radius, 1e-3))), 1, kBallsMax);
+  const double moved = motionOf(shape, row.half_axis) + kRounding;
+  const Pose T_sensor_shape =
+      sensor_poses_.front() * samples[places.front().sample].body.poses[shape];
   for (int k = 0; k < balls; ++k) {
     const Vector3 p_shape = ((2.0 * k + 1.0) / balls - 1.0) * row.half_axis;
-    Ball ball{Vector3::Zero(), std::hypot(row.radius, half / balls)};
-    double moved = 0.0;
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      const Pose& T_fixed_shape = samples[places[i].sample].body.poses[shape];
-      const Vector3 seen =
-          places[i].T_fixed_sensor.inverse(Eigen::Isometry) * (T_fixed_shape * p_shape);
-      if (i == 0) ball.centre = seen;
-      moved = std::max(moved, (seen - ball.centre).norm());
-    }
-    ball.radius += moved + kRounding;
-    drawBall(shape, ball);
+    drawBall(shape, {T_sensor_shape * p_shape, std::hypot(row.radius, half / balls) + moved});
   }
+}
+
+/// How far any place of a shape's axis comes at most from where it is seen first. What lies between
+/// its ends moves no further than one of them.
+double CloudBodyFilter::motionOf(std::size_t shape, const Vector3& half_axis) const {
+  double moved = 0.0;
+  for (const double end : {-1.0, 1.0}) {
+    const auto seenFrom = [&](std::size_t place) {
+      return Vector3(sensor_poses_[place] *
+                     (fixed_poses_[samples_[place]][shape] * (end * half_axis)));
+    };
+    const Vector3 first = seenFrom(0);
+    for (std::size_t i = 1; i < samples_.size(); ++i) {
+      moved = std::max(moved, (seenFrom(i) - first).squaredNorm());
+    }
+  }
+  return std::sqrt(moved);
 }
 
 void CloudBodyFilter::drawBall(std::size_t shape, const Ball& ball) {
@@ -131,6 +174,8 @@ void CloudBodyFilter::drawBall(std::size_t shape, const Ball& ball) {
       away > 0.0 ? Eigen::Vector3f((ball.centre / away).cast<float>()) : Eigen::Vector3f::UnitX();
   const auto near = static_cast<float>(away - ball.radius);
   const auto far = static_cast<float>(away + ball.radius);
+  near_ = std::min(near_, near);
+  far_ = std::max(far_, far);
   std::size_t tile = 0;
   for (int face = 0; face < 6; ++face) {
     for (int row = 0; row < kEdge; row += kTile) {
@@ -149,46 +194,72 @@ void CloudBodyFilter::drawBall(std::size_t shape, const Ball& ball) {
   }
 }
 
+const CloudBodyFilter::Seen& CloudBodyFilter::seenFrom(std::size_t place, std::size_t shape) {
+  Seen& seen = seen_[place * shapes_ + shape];
+  if (seen.drawing == drawing_) return seen;
+  const Pose T_sensor_shape = sensor_poses_[place] * fixed_poses_[samples_[place]][shape];
+  seen.drawing = drawing_;
+  seen.R_shape_sensor = T_sensor_shape.linear().transpose();
+  seen.centre = T_sensor_shape.translation();
+  seen.viewpoint = -(seen.R_shape_sensor * seen.centre);
+  const Shape& solid = prepared_[samples_[place] * shapes_ + shape].shape;
+  seen.holds_sensor = distance(solid, seen.viewpoint) == 0.0;
+  return seen;
+}
+
 BeamKind CloudBodyFilter::classify(const Eigen::Vector3f& p_sensor, float range,
-                                   const CloudPlace& place) {
+                                   std::size_t place) {
+  const Vector3 p = p_sensor.cast<double>();
+  const Sighted point{
+      p, p.norm(),
+      std::max(filter_.range_tolerance_m, 5.0 * static_cast<double>(noise_.at(range)))};
   const std::uint64_t shapes = pixels_[cube_.pixelOf(p_sensor)].shapes;
-  const Vector3 viewpoint = place.T_fixed_sensor.translation();
-  const Vector3 p_fixed = place.T_fixed_sensor * p_sensor.cast<double>();
-  const Vector3 sight = p_fixed - viewpoint;
-  const double length = sight.norm();
-  const Ray ray{viewpoint, sight / length};
-  const auto tolerance =
-      std::max(filter_.range_tolerance_m, 5.0 * static_cast<double>(noise_.at(range)));
-  const Prepared* prepared = &prepared_[place.sample * shapes_];
+  const auto isDrawn = [shapes](std::size_t i) { return (shapes >> (i % 64) & 1) != 0; };
   BeamKind kind = BeamKind::kReturn;
-  for (std::size_t i = 0; i < shapes_; ++i) {
-    if ((shapes >> (i % 64) & 1) == 0) continue;
-    const BeamKind by_shape = classify(prepared[i], ray, p_fixed, length, tolerance);
-    if (by_shape == BeamKind::kSelf) {
-      ++self_counts_[i];
-      return by_shape;
-    }
+  // Whether it is taken for the shape. Mostly that is the one that the point before was taken for.
+  const auto isTaken = [&](std::size_t i) {
+    const BeamKind by_shape = classify(point, place, i);
     if (by_shape == BeamKind::kShadow) kind = by_shape;
+    if (by_shape != BeamKind::kSelf) return false;
+    ++self_counts_[i];
+    last_ = i;
+    return true;
+  };
+  const std::size_t last = last_;
+  if (isDrawn(last) && isTaken(last)) return BeamKind::kSelf;
+  for (std::size_t begin = 0; begin < shapes_; begin += 64) {
+    for (std::uint64_t left = shapes; left != 0; left &= left - 1) {
+      const std::size_t i = begin + static_cast<std::size_t>(__builtin_ctzll(left));
+      if (i >= shapes_) break;
+      if (i != last && isTaken(i)) return BeamKind::kSelf;
+    }
   }
   return kind;
 }
 
-/// One step of BodyFilter::classify.
-BeamKind CloudBodyFilter::classify(const Prepared& shape, const Ray& ray, const Vector3& p_fixed,
-                                   double range, double tolerance) const {
-  if (squaredDistance(ray, range + tolerance, shape.centre) > shape.far * shape.far) {
+/// One step of BodyFilter::classify, with all that it needs in the shape's frame.
+BeamKind CloudBodyFilter::classify(const Sighted& point, std::size_t place, std::size_t shape) {
+  const Prepared& prepared = prepared_[samples_[place] * shapes_ + shape];
+  const Seen& seen = seenFrom(place, shape);
+  const Ray ray_sensor{Vector3::Zero(), point.p_sensor / point.range};
+  if (squaredDistance(ray_sensor, point.range + point.tolerance, seen.centre) >
+      prepared.far * prepared.far) {
     return BeamKind::kReturn;
   }
-  if (distance(shape.shape, shape.T_shape_fixed * p_fixed) <= shape.padding) return BeamKind::kSelf;
-  const Ray ray_in_shape = transformed(ray, shape.T_shape_fixed);
-  if (distance(shape.shape, ray_in_shape.origin) == 0.0) return BeamKind::kReturn;
-  const auto met = intersect(shape.padded, ray_in_shape);
-  if (met && range >= met->enter - tolerance && range <= met->leave + tolerance) {
+  const Vector3 sight = seen.R_shape_sensor * point.p_sensor;
+  if (ask(prepared.shape, PointDistance{seen.viewpoint + sight}) <= prepared.padding) {
     return BeamKind::kSelf;
   }
-  const auto span = intersect(shape.grazed, ray_in_shape);
-  const bool is_behind =
-      span && range >= span->enter && range <= span->leave + filter_.shadow_depth_m;
+  if (seen.holds_sensor) return BeamKind::kReturn;
+  const Ray ray{seen.viewpoint, sight / point.range};
+  const LineSpan met = spanOf(prepared.padded, ray);
+  if (!met.empty() && point.range >= met.enter - point.tolerance &&
+      point.range <= met.leave + point.tolerance) {
+    return BeamKind::kSelf;
+  }
+  const LineSpan span = spanOf(prepared.grazed, ray);
+  const bool is_behind = !span.empty() && point.range >= span.enter &&
+                         point.range <= span.leave + filter_.shadow_depth_m;
   return is_behind ? BeamKind::kShadow : BeamKind::kReturn;
 }
 

@@ -31,15 +31,16 @@ class CloudBodyFilter {
             const std::vector<BodySample>& samples, const std::vector<CloudPlace>& places);
   /// Whether the point may be one of the robot's, or in its shadow; where not it is a return.
   [[nodiscard]] bool mayMeet(const Eigen::Vector3f& p_sensor, float range) const {
+    const float tolerance = toleranceAt(range), beyond = std::max(tolerance, shadow_);
+    if (range < near_ - tolerance || range > far_ + beyond) return false;
     const Pixel& pixel = pixels_[cube_.pixelOf(p_sensor)];
-    if (pixel.shapes == 0) return false;
-    const float tolerance = toleranceAt(range);
-    return range >= pixel.near - tolerance && range <= pixel.far + std::max(tolerance, shadow_);
+    return pixel.shapes != 0 && range >= pixel.near - tolerance && range <= pixel.far + beyond;
   }
   /// kReturn, kSelf or kShadow, as BodyFilter has it with the tolerance of that range.
-  [[nodiscard]] BeamKind classify(const Eigen::Vector3f& p_sensor, float range,
-                                  const CloudPlace& place);
-  /// How many points were taken for each shape since it was drawn.
+  /// @param place of those that draw() was told of, by index.
+  [[nodiscard]] BeamKind classify(const Eigen::Vector3f& p_sensor, float range, std::size_t place);
+  /// How many points were taken for each shape since it was drawn; for any one of those that lie
+  /// over each other.
   [[nodiscard]] const std::vector<std::size_t>& selfCounts() const { return self_counts_; }
 
  private:
@@ -51,35 +52,57 @@ class CloudBodyFilter {
   /// A shape of a sample, and what is asked of it again and again.
   struct Prepared {
     Shape shape, padded, grazed;
-    Pose T_shape_fixed;
-    Vector3 centre;
     double padding;
     double far;
+  };
+  /// A shape as it lies before the sensor in one place.
+  struct Seen {
+    std::uint64_t drawing = 0;  ///< when it was put down; it is once it is asked for
+    Eigen::Matrix3d R_shape_sensor;
+    Vector3 viewpoint;  ///< in the shape's frame
+    Vector3 centre;     ///< of the shape in the sensor's
+    bool holds_sensor = false;
   };
   struct Ball {
     Vector3 centre;
     double radius;
+  };
+  /// A point on its beam.
+  struct Sighted {
+    Vector3 p_sensor;
+    double range;
+    double tolerance;
   };
   /// Five times the noise, as self_filter_range_tolerance_m is to be.
   [[nodiscard]] float toleranceAt(float range) const {
     return std::max(static_cast<float>(filter_.range_tolerance_m), 5.0F * noise_.at(range));
   }
   void prepare(const std::vector<BodySample>& samples);
+  void placeSensor(const std::vector<CloudPlace>& places);
   void drawShape(std::size_t shape, const std::vector<BodySample>& samples,
                  const std::vector<CloudPlace>& places);
+  [[nodiscard]] double motionOf(std::size_t shape, const Vector3& half_axis) const;
   void drawBall(std::size_t shape, const Ball& ball_sensor);
-  [[nodiscard]] BeamKind classify(const Prepared& shape, const Ray& ray, const Vector3& p_fixed,
-                                  double range, double tolerance) const;
+  [[nodiscard]] const Seen& seenFrom(std::size_t place, std::size_t shape);
+  [[nodiscard]] BeamKind classify(const Sighted& point, std::size_t place, std::size_t shape);
 
   DirectionCube cube_;
   std::vector<Eigen::Vector3f> directions_;       ///< of the pixels
   std::vector<Eigen::Vector3f> tile_directions_;  ///< of squares of pixels
   std::vector<Pixel> pixels_;
+  float near_ = 0.0F;  ///< no pixel has a shape that is nearer [m]
+  float far_ = 0.0F;   ///< nor further
   BodyFilter filter_;
   RangeNoise noise_;
   float shadow_ = 0.0F;
   std::size_t shapes_ = 0;
-  std::vector<Prepared> prepared_;  ///< sample by sample
+  std::uint64_t drawing_ = 0;
+  std::vector<Prepared> prepared_;              ///< sample by sample
+  std::vector<std::vector<Pose>> fixed_poses_;  ///< T_fixed_shape, sample by sample
+  std::vector<Pose> sensor_poses_;              ///< T_sensor_fixed of the places
+  std::vector<std::size_t> samples_;            ///< of the places
+  std::vector<Seen> seen_;                      ///< place by place
+  std::size_t last_ = 0;                        ///< the shape that a point was taken for last
   std::vector<std::size_t> self_counts_;
 };
 

@@ -121,8 +121,7 @@ void CloudStage::filterBody(const Cloud& cloud) {
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
     if (state_.kinds[i] != BeamKind::kReturn) continue;
     if (!body_filter_.mayMeet(cloud.points[i], state_.ranges[i])) continue;
-    state_.kinds[i] =
-        body_filter_.classify(cloud.points[i], state_.ranges[i], places_[placeOf(cloud, i)]);
+    state_.kinds[i] = body_filter_.classify(cloud.points[i], state_.ranges[i], placeOf(cloud, i));
   }
   robot_.count(body_filter_.selfCounts());
 }

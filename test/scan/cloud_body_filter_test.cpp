@@ -87,7 +87,7 @@ Outcome compare(const Scene& scene, const BodyFilter& filter, const RangeNoise& 
           std::max(filter.range_tolerance_m, 5.0 * static_cast<double>(noise.at(range)));
       exact.apply(scene.samples, scan);
       const bool may_meet = drawn.mayMeet(p, range);
-      const BeamKind kind = may_meet ? drawn.classify(p, range, place) : BeamKind::kReturn;
+      const BeamKind kind = may_meet ? drawn.classify(p, range, k) : BeamKind::kReturn;
       outcome.differences += kind != scan.beams[0].kind ? 1 : 0;
       outcome.self += kind == BeamKind::kSelf ? 1 : 0;
       outcome.shadow += kind == BeamKind::kShadow ? 1 : 0;
