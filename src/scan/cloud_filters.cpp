@@ -16,6 +16,8 @@ struct Neighbour {
 
 class Neighbourhood {
  public:
+  static constexpr std::size_t kRun = 64;
+
   Neighbourhood(const FlyingPixelFilter& filter, const Cloud& cloud, const RangeNoise& noise,
                 const std::vector<float>& ranges)
       : cloud_(cloud),
@@ -33,6 +35,24 @@ class Neighbourhood {
     const int below = side(i, {i + cloud_.width, row + 1 < cloud_.height}, near);
     if (left * right == -1 || above * below == -1) return true;
     return left != kNear && right != kNear && above != kNear && below != kNear;
+  }
+
+  /// Of a run of points that have neighbours on all sides: whether all four were measured and lie
+  /// near, as most do. @param first index of the first. @param are_near one for each of kRun.
+  void tellNear(std::size_t first, bool* are_near) const {
+    float furthest[kRun], nearest[kRun];
+    const float* own = ranges_.data() + first;
+    const float *above = own - cloud_.width, *below = own + cloud_.width;
+    for (std::size_t i = 0; i < kRun; ++i) {
+      const float range = own[i], left = own[i - 1], right = own[i + 1];
+      const float aside = std::max(std::abs(left - range), std::abs(right - range));
+      const float along = std::max(std::abs(above[i] - range), std::abs(below[i] - range));
+      furthest[i] = std::max(aside, along);
+      nearest[i] = std::min(std::min(left, right), std::min(above[i], below[i]));
+    }
+    for (std::size_t i = 0; i < kRun; ++i) {
+      are_near[i] = nearest[i] > 0.0F && furthest[i] <= separation_ + kNoises * noise_.at(own[i]);
+    }
   }
 
  private:
@@ -69,15 +89,32 @@ void FlyingPixelFilter::describe(ParameterTable& table) {
 
 void FlyingPixelFilter::apply(const Cloud& cloud, const RangeNoise& noise,
                               CloudState& state) const {
+  for (std::size_t row = 0; row < cloud.height; ++row) applyToRow(cloud, noise, row, state);
+}
+
+void FlyingPixelFilter::applyToRow(const Cloud& cloud, const RangeNoise& noise, std::size_t row,
+                                   CloudState& state) const {
+  constexpr std::size_t kRun = Neighbourhood::kRun;
   if (separation_m == 0.0 || !cloud.organised()) return;
   const Neighbourhood neighbours(*this, cloud, noise, state.ranges);
-  std::size_t i = 0;
-  for (std::size_t row = 0; row < cloud.height; ++row) {
-    for (std::size_t column = 0; column < cloud.width; ++column, ++i) {
-      if (state.kinds[i] != BeamKind::kReturn) continue;
-      if (neighbours.isFlying(row, column)) state.kinds[i] = BeamKind::kMixedPixel;
+  const auto ask = [&](std::size_t column) {
+    BeamKind& kind = state.kinds[row * cloud.width + column];
+    if (kind == BeamKind::kReturn && neighbours.isFlying(row, column)) kind = BeamKind::kMixedPixel;
+  };
+  if (row == 0 || row + 1 == cloud.height || cloud.width < kRun + 2) {
+    for (std::size_t column = 0; column < cloud.width; ++column) ask(column);
+    return;
+  }
+  ask(0);
+  std::size_t column = 1;
+  for (; column + kRun < cloud.width; column += kRun) {
+    bool are_near[kRun];
+    neighbours.tellNear(row * cloud.width + column, are_near);
+    for (std::size_t i = 0; i < kRun; ++i) {
+      if (!are_near[i]) ask(column + i);
     }
   }
+  for (; column < cloud.width; ++column) ask(column);
 }
 
 void SupportFilter::Config::describe(ParameterTable& table) {

@@ -28,6 +28,9 @@ struct FlyingPixelFilter {
   /// lie one before and one behind it, or where none of the four lies near it. Near is within the
   /// separation and six times the noise, or on a surface no steeper than slope_max.
   void apply(const Cloud& cloud, const RangeNoise& noise, CloudState& state) const;
+  /// In one row; the others' kinds do not matter.
+  void applyToRow(const Cloud& cloud, const RangeNoise& noise, std::size_t row,
+                  CloudState& state) const;
 };
 
 /// Removes points that few others lie near, from clouds that are not organised. Points are counted

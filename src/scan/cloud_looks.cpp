@@ -51,8 +51,7 @@ std::optional<CloudLooks::Pitch> CloudLooks::pitchOf(const Cloud& cloud, const C
 void CloudLooks::layOut(const Pitch& pitch) {
   const std::size_t blocks_wide = (pitch.width + pitch.columns - 1) / pitch.columns;
   const std::size_t blocks_high = (pitch.height + pitch.rows - 1) / pitch.rows;
-  column_blocks_.resize(pitch.width);
-  for (std::size_t i = 0; i < pitch.width; ++i) column_blocks_[i] = i / pitch.columns;
+  pitch_columns_ = pitch.columns;
   row_blocks_.resize(pitch.height);
   for (std::size_t i = 0; i < pitch.height; ++i) row_blocks_[i] = i / pitch.rows * blocks_wide;
   blocks_.resize(blocks_wide * blocks_high);
@@ -73,25 +72,6 @@ void CloudLooks::begin(const Cloud& cloud, const CloudState& state) {
     touched_.clear();
   }
   std::fill(blocks_.begin(), blocks_.end(), Block());
-}
-
-void CloudLooks::add(std::size_t index, const Eigen::Vector3f& point, float range, BeamKind kind,
-                     std::size_t place) {
-  Block& block = blocks_[index];
-  if (kind == BeamKind::kReturn) {
-    ++block.kept;
-  } else {
-    ++block.doubtful;
-    block.robot |= kind == BeamKind::kSelf;
-  }
-  if (range == 0.0F) {
-    if (isMeasured(point)) block.towards += point.normalized();  // out of limits
-    return;
-  }
-  block.towards += point / range;
-  if (block.nearest > 0.0F && block.nearest <= range) return;
-  block.nearest = range;
-  block.place = static_cast<std::uint32_t>(place);
 }
 
 void CloudLooks::finish(bool organised, const std::vector<CloudPlace>& places,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -30,17 +31,34 @@ class CloudLooks {
   void take(const Cloud& cloud, const CloudState& state, const std::vector<CloudPlace>& places,
             const PlaceOf& place_of, std::vector<Look>& looks) {
     begin(cloud, state);
-    std::size_t i = 0;
-    for (std::size_t row = 0; row < cloud.height; ++row) {
-      for (std::size_t column = 0; column < cloud.width; ++column, ++i) {
-        const std::size_t block = cloud.organised() ? row_blocks_[row] + column_blocks_[column]
-                                                    : blockOf(cloud.points[i]);
-        if (block != kNoBlock)
-          add(block, cloud.points[i], state.ranges[i], state.kinds[i], place_of(i));
-      }
-    }
+    for (std::size_t row = 0; row < cloud.height; ++row) addRow(cloud, state, row, place_of);
     finish(cloud.organised(), places, looks);
   }
+
+  // The same row by row: begin() once the ranges are known, each row once its kinds are.
+  void begin(const Cloud& cloud, const CloudState& state);
+  template <typename PlaceOf>
+  void addRow(const Cloud& cloud, const CloudState& state, std::size_t row,
+              const PlaceOf& place_of) {
+    const std::size_t first = row * cloud.width;
+    if (!cloud.organised()) {
+      for (std::size_t i = 0; i < cloud.width; ++i) {
+        const std::size_t block = blockOf(cloud.points[i]);
+        if (block != kNoBlock)
+          add(blocks_[block], cloud.points[i], state.ranges[i], state.kinds[i], place_of(i));
+      }
+      return;
+    }
+    for (std::size_t begin = 0; begin < cloud.width; begin += pitch_columns_) {
+      const std::size_t end = std::min(begin + pitch_columns_, cloud.width);
+      Block block = blocks_[row_blocks_[row] + begin / pitch_columns_];  // a copy: in registers
+      for (std::size_t i = first + begin; i < first + end; ++i) {
+        add(block, cloud.points[i], state.ranges[i], state.kinds[i], place_of(i));
+      }
+      blocks_[row_blocks_[row] + begin / pitch_columns_] = block;
+    }
+  }
+  void finish(bool organised, const std::vector<CloudPlace>& places, std::vector<Look>& looks);
 
  private:
   struct Block {
@@ -58,7 +76,6 @@ class CloudLooks {
   };
   static constexpr std::size_t kNoBlock = static_cast<std::size_t>(-1);
 
-  void begin(const Cloud& cloud, const CloudState& state);
   /// @return nothing where too few neighbours were measured to tell.
   [[nodiscard]] std::optional<Pitch> pitchOf(const Cloud& cloud, const CloudState& state);
   [[nodiscard]] std::optional<std::size_t> stepsInBlock(const Cloud& cloud, const CloudState& state,
@@ -70,16 +87,29 @@ class CloudLooks {
     if (blocks_[pixel].kept + blocks_[pixel].doubtful == 0) touched_.push_back(pixel);
     return pixel;
   }
-  void add(std::size_t index, const Eigen::Vector3f& point, float range, BeamKind kind,
-           std::size_t place);
-  void finish(bool organised, const std::vector<CloudPlace>& places, std::vector<Look>& looks);
+  static void add(Block& block, const Eigen::Vector3f& point, float range, BeamKind kind,
+                  std::size_t place) {
+    const bool is_kept = kind == BeamKind::kReturn;
+    block.kept += is_kept ? 1 : 0;
+    block.doubtful += is_kept ? 0 : 1;
+    block.robot |= kind == BeamKind::kSelf;
+    if (range == 0.0F) {
+      if (isMeasured(point)) block.towards += point.normalized();  // out of limits
+      return;
+    }
+    block.towards += point * (1.0F / range);
+    if (block.nearest > 0.0F && block.nearest <= range) return;
+    block.nearest = range;
+    block.place = static_cast<std::uint32_t>(place);
+  }
   void finish(const Block& block, const Eigen::Vector3f& direction,
               const std::vector<CloudPlace>& places, std::vector<Look>& looks) const;
 
   Config config_;
   DirectionCube cube_;
   std::optional<Pitch> pitch_;
-  std::vector<std::size_t> column_blocks_, row_blocks_;  ///< of an organised cloud
+  std::size_t pitch_columns_ = 1;
+  std::vector<std::size_t> row_blocks_;  ///< the first of each row of an organised cloud
   std::vector<Block> blocks_;
   std::vector<std::size_t> touched_;              ///< of a cloud that is not organised, in order
   std::vector<Eigen::Vector3f> last_directions_;  ///< of an organised cloud's blocks, as last seen

@@ -65,12 +65,14 @@ std::string CloudStage::assemble(const Cloud& cloud, const PosePath& T_fixed_sen
   const double unknown_share =
       1.0 - static_cast<double>(within) / static_cast<double>(cloud.points.size());
   if (within == 0 || unknown_share > config_.unknown_fraction_max) return "blind";
-  config_.flying.apply(cloud, config_.noise, state_);
-  support_.apply(cloud, state_);
-  filterBody(cloud);
-  takePoints(cloud);
-  looks_.take(
-      cloud, state_, places_, [&](std::size_t i) { return placeOf(cloud, i); }, returns_.looks);
+  begin(cloud);
+  if (places_.size() == 1) {
+    takeRows(cloud, [](std::size_t) { return std::size_t{0}; });
+  } else {
+    takeRows(cloud, [&](std::size_t i) { return placeOf(cloud, i); });
+  }
+  looks_.finish(cloud.organised(), places_, returns_.looks);
+  robot_.count(body_filter_.selfCounts());
   return {};
 }
 
@@ -92,7 +94,6 @@ bool CloudStage::place(const Cloud& cloud, const PosePath& T_fixed_sensor) {
 }
 
 std::size_t CloudStage::placeOf(const Cloud& cloud, std::size_t i) const {
-  if (places_.size() == 1) return 0;
   const float since = cloud.offsets_s[i] - static_cast<float>(cloud.first_offset_s);
   if (!(since > 0.0F)) return 0;
   constexpr auto kStep = static_cast<float>(kPlaceStep);
@@ -115,29 +116,53 @@ void CloudStage::sortByRange(const Cloud& cloud) {
   }
 }
 
-void CloudStage::filterBody(const Cloud& cloud) {
-  if (robot_.samples().empty()) return;
+/// What is known before the first row.
+void CloudStage::begin(const Cloud& cloud) {
+  support_.apply(cloud, state_);
   body_filter_.draw(config_.body_filter, config_.noise, robot_.samples(), places_);
-  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
-    if (state_.kinds[i] != BeamKind::kReturn) continue;
-    if (!body_filter_.mayMeet(cloud.points[i], state_.ranges[i])) continue;
-    state_.kinds[i] = body_filter_.classify(cloud.points[i], state_.ranges[i], placeOf(cloud, i));
-  }
-  robot_.count(body_filter_.selfCounts());
-}
-
-void CloudStage::takePoints(const Cloud& cloud) {
+  looks_.begin(cloud, state_);
   returns_.stamp = cloud.first();
   returns_.tilt = 0.0;
   returns_.viewpoint = places_.back().T_fixed_sensor.translation();
   returns_.points.clear();
   counts_ = {};
-  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
-    ++counts_[static_cast<std::size_t>(state_.kinds[i])];
-    if (state_.kinds[i] != BeamKind::kReturn) continue;
-    const Pose& T_fixed_sensor = places_[placeOf(cloud, i)].T_fixed_sensor;
-    returns_.points.emplace_back(T_fixed_sensor * cloud.points[i].cast<double>());
+}
+
+/// A row goes through all that follows while it is at hand: a cloud is larger than the cache.
+template <typename PlaceOf>
+void CloudStage::takeRows(const Cloud& cloud, const PlaceOf& place_of) {
+  for (std::size_t row = 0; row < cloud.height; ++row) {
+    config_.flying.applyToRow(cloud, config_.noise, row, state_);
+    if (!robot_.samples().empty()) filterRow(cloud, row, place_of);
+    takeRow(cloud, row, place_of);
+    looks_.addRow(cloud, state_, row, place_of);
   }
+}
+
+template <typename PlaceOf>
+void CloudStage::filterRow(const Cloud& cloud, std::size_t row, const PlaceOf& place_of) {
+  const std::size_t end = (row + 1) * cloud.width;
+  for (std::size_t i = row * cloud.width; i < end; ++i) {
+    if (state_.kinds[i] != BeamKind::kReturn) continue;
+    if (!body_filter_.mayMeet(cloud.points[i], state_.ranges[i])) continue;
+    state_.kinds[i] = body_filter_.classify(cloud.points[i], state_.ranges[i], place_of(i));
+  }
+}
+
+template <typename PlaceOf>
+void CloudStage::takeRow(const Cloud& cloud, std::size_t row, const PlaceOf& place_of) {
+  std::vector<Vector3>& points = returns_.points;
+  const std::size_t before = points.size(), first = row * cloud.width;
+  points.resize(before + cloud.width);
+  Vector3* next = points.data() + before;
+  BeamCounts counts{};
+  for (std::size_t i = first; i < first + cloud.width; ++i) {
+    ++counts[static_cast<std::size_t>(state_.kinds[i])];
+    if (state_.kinds[i] != BeamKind::kReturn) continue;
+    *next++ = places_[place_of(i)].T_fixed_sensor * cloud.points[i].cast<double>();
+  }
+  points.resize(static_cast<std::size_t>(next - points.data()));
+  for (std::size_t k = 0; k < counts.size(); ++k) counts_[k] += counts[k];
 }
 
 }  // namespace tccm

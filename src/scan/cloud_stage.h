@@ -72,8 +72,13 @@ class CloudStage {
   void sortByRange(const Cloud& cloud);
   [[nodiscard]] bool place(const Cloud& cloud, const PosePath& T_fixed_sensor);
   [[nodiscard]] std::size_t placeOf(const Cloud& cloud, std::size_t i) const;
-  void filterBody(const Cloud& cloud);
-  void takePoints(const Cloud& cloud);
+  void begin(const Cloud& cloud);
+  template <typename PlaceOf>
+  void filterRow(const Cloud& cloud, std::size_t row, const PlaceOf& place_of);
+  template <typename PlaceOf>
+  void takeRow(const Cloud& cloud, std::size_t row, const PlaceOf& place_of);
+  template <typename PlaceOf>
+  void takeRows(const Cloud& cloud, const PlaceOf& place_of);
 
   Config config_;
   FilteredRobot robot_;
