@@ -26,4 +26,27 @@ struct PointDistance {
   double operator()(const Sphere& s) const { return std::max(0.0, p.norm() - s.radius); }
 };
 
+/// Whether that distance is at most so much; without a root.
+struct IsWithin {
+  Vector3 p;
+  double most;
+  bool operator()(const Box& box) const {
+    return (p.cwiseAbs() - box.half_extents).cwiseMax(0.0).squaredNorm() <= most * most;
+  }
+  bool operator()(const Cylinder& c) const {
+    const double across = p.x() * p.x() + p.y() * p.y(), all = c.radius + most;
+    const double beyond = std::max(0.0, std::abs(p.z()) - c.half_length);
+    if (across > all * all || beyond > most) return false;
+    return beyond == 0.0 || across <= c.radius * c.radius || PointDistance{p}(c) <= most;
+  }
+  bool operator()(const Capsule& c) const {
+    const double beyond = p.z() - std::clamp(p.z(), -c.half_length, c.half_length);
+    const double all = c.radius + most;
+    return p.x() * p.x() + p.y() * p.y() + beyond * beyond <= all * all;
+  }
+  bool operator()(const Sphere& s) const {
+    return p.squaredNorm() <= (s.radius + most) * (s.radius + most);
+  }
+};
+
 }  // namespace tccm

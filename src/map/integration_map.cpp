@@ -20,26 +20,27 @@ std::uint32_t millisecondsUntil(Time now, Time then) {
       std::clamp<std::int64_t>(since, 0, std::numeric_limits<std::uint32_t>::max()));
 }
 
+}  // namespace
+
 /// Puts together what a scan's returns occupy before it goes into the columns. Beams side by side
 /// fall into a few cells in turn, and mostly see the same surface: most of them only widen what is
 /// gathered already. The columns become what they would return by return.
-class ScanBatch {
+class IntegrationMap::ScanBatch {
  public:
   /// @pre the columns have room for what needs() says. @param serial of the scan, the newest.
   ScanBatch(Columns& columns, std::uint32_t serial) : columns_(columns), serial_(serial) {}
 
   void add(CellIndex cell, Columns::Heights heights) {
-    for (Gathered& gathered : gathered_) {
-      const bool touches = gathered.cell == cell && heights.bottom <= gathered.heights.top &&
-                           heights.top >= gathered.heights.bottom;
-      if (!touches) continue;
-      if (heights.bottom < gathered.heights.bottom) gathered.heights.bottom = heights.bottom;
-      if (heights.top > gathered.heights.top) gathered.heights.top = heights.top;
+    if (widens(gathered_[recent_], cell, heights)) return;
+    for (std::size_t i = 0; i < kGathered; ++i) {
+      if (!widens(gathered_[i], cell, heights)) continue;
+      recent_ = i;
       return;
     }
     insert(gathered_[next_]);
     gathered_[next_] = {cell, heights};
-    next_ = (next_ + 1) % gathered_.size();
+    recent_ = next_;
+    next_ = (next_ + 1) % kGathered;
   }
   /// What is gathered still. To be called at the end.
   void finish() {
@@ -57,6 +58,16 @@ class ScanBatch {
     CellIndex cell = std::numeric_limits<CellIndex>::max();  ///< none
     Columns::Heights heights = {0, 0};
   };
+  /// Whether the heights touch what is gathered, which then has them too.
+  static bool widens(Gathered& gathered, CellIndex cell, Columns::Heights heights) {
+    if (gathered.cell != cell || heights.bottom > gathered.heights.top ||
+        heights.top < gathered.heights.bottom) {
+      return false;
+    }
+    if (heights.bottom < gathered.heights.bottom) gathered.heights.bottom = heights.bottom;
+    if (heights.top > gathered.heights.top) gathered.heights.top = heights.top;
+    return true;
+  }
   void insert(const Gathered& gathered) {
     const auto [bottom, top] = gathered.heights;
     if (bottom < top) static_cast<void>(columns_.insert(gathered.cell, bottom, top, serial_));
@@ -65,10 +76,9 @@ class ScanBatch {
   Columns& columns_;
   std::uint32_t serial_;
   std::array<Gathered, kGathered> gathered_ = {};
+  std::size_t recent_ = 0;
   std::size_t next_ = 0;
 };
-
-}  // namespace
 
 void IntegrationMap::Config::describe(ParameterTable& table) {
   grid.describe(table);
@@ -101,44 +111,61 @@ IntegrationMap::Added IntegrationMap::add(Time stamp, const std::vector<Vector3>
   const bool may_forget = forgotten_.begin(stamp);
   ScanBatch batch(columns_, serial_);
   Added added;
-  // The loop over all returns is made twice: it is quicker where it has nothing more to ask.
-  const auto addEach = [&](const Vector3* begin, const Vector3* end, auto takes) {
-    for (const Vector3* p_fixed = begin; p_fixed != end; ++p_fixed) {
-      const auto place = grid_.place(*p_fixed);
-      if (!place) {
-        ++added.out_of_area;
-      } else if (takes(*p_fixed, *place)) {
-        note(*place);
-        ++added.mapped;
-      }
-    }
-  };
-  const auto gather = [&](const Vector3&, const MappedReturn& place) {
-    batch.add(place.cell, occupiedBy(place));
-    return true;
-  };
   // A camera's frame has more returns than there may ever be intervals, and needs few of these.
   for (std::size_t i = 0; i < returns.size(); i += kChunk) {
-    const std::size_t count = std::min(kChunk, returns.size() - i);
-    const bool fits = columns_.room() >= ScanBatch::needs(count) && ring_.room() >= count;
-    if (!fits) batch.finish();
-    const auto ask = [&](const Vector3& p_fixed, const MappedReturn& place) {
-      if (may_forget && forgotten_.contains(p_fixed)) {
-        ++added.forgotten;
-        return false;
-      }
-      if (fits) return gather(p_fixed, place);
-      const auto [bottom, top] = occupiedBy(place);
-      if (ring_.room() > 0 && columns_.insert(place.cell, bottom, top, serial_)) return true;
-      overflow_serial_ = serial_;
-      return false;
-    };
     const Vector3* begin = returns.data() + i;
-    fits && !may_forget ? addEach(begin, begin + count, gather)
-                        : addEach(begin, begin + count, ask);
+    const Vector3* end = begin + std::min(kChunk, returns.size() - i);
+    const std::size_t count = static_cast<std::size_t>(end - begin);
+    const bool fits = columns_.room() >= ScanBatch::needs(count) && ring_.room() >= count;
+    if (fits && !may_forget) {
+      addAll(begin, end, batch, added);
+    } else {
+      batch.finish();
+      addEach(begin, end, may_forget, added);
+    }
   }
   batch.finish();
   return added;
+}
+
+/// What there is room for, in steps that each have little to ask.
+void IntegrationMap::addAll(const Vector3* begin, const Vector3* end, ScanBatch& batch,
+                            Added& added) {
+  std::array<MappedReturn, kChunk> places;
+  std::size_t count = 0;
+  for (const Vector3* p_fixed = begin; p_fixed != end; ++p_fixed) {
+    const auto place = grid_.place(*p_fixed);
+    if (!place) continue;
+    places[count].cell = place->cell;  // one by one: copied as a whole they would wait
+    places[count++].height = place->height;
+  }
+  for (std::size_t i = 0; i < count; ++i) batch.add(places[i].cell, occupiedBy(places[i]));
+  for (std::size_t i = 0; i < count; ++i) counts_.add(places[i].cell, places[i].height);
+  ring_.add(places.data(), count);
+  added.mapped += count;
+  added.out_of_area += static_cast<std::size_t>(end - begin) - count;
+}
+
+void IntegrationMap::addEach(const Vector3* begin, const Vector3* end, bool may_forget,
+                             Added& added) {
+  for (const Vector3* p_fixed = begin; p_fixed != end; ++p_fixed) {
+    const auto place = grid_.place(*p_fixed);
+    if (!place) {
+      ++added.out_of_area;
+      continue;
+    }
+    if (may_forget && forgotten_.contains(*p_fixed)) {
+      ++added.forgotten;
+      continue;
+    }
+    const auto [bottom, top] = occupiedBy(*place);
+    if (ring_.room() == 0 || !columns_.insert(place->cell, bottom, top, serial_)) {
+      overflow_serial_ = serial_;
+      continue;
+    }
+    note(*place);
+    ++added.mapped;
+  }
 }
 
 std::size_t IntegrationMap::forget(const Region& region, Time until) {

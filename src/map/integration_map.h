@@ -134,6 +134,10 @@ class IntegrationMap {
   static constexpr Columns::Heights kNothing{std::numeric_limits<Height>::max(),
                                              std::numeric_limits<Height>::min()};
 
+  class ScanBatch;
+  /// @pre ring and columns have room for them, and none is to be forgotten.
+  void addAll(const Vector3* begin, const Vector3* end, ScanBatch& batch, Added& added);
+  void addEach(const Vector3* begin, const Vector3* end, bool may_forget, Added& added);
   void markCellsNear(const RegionPart& part);
   std::size_t removeReturns(const std::vector<RegionPart>& parts);
   void restoreColumns();

@@ -52,9 +52,13 @@ void PlaceAges::follow(const IntegrationMap& map, const LookImage& looks) {
   if (beginnings_ != map.beginnings()) clear();
   beginnings_ = map.beginnings();
   stamps_[map.serial() % stamps_.size()] = map.newestStamp();
+  std::size_t last = seen_.size();  // returns side by side are mostly of one place
   map.visitNewest([&](const MappedReturn& entry) {
     const std::size_t layer = layerOf(entry.height, map);
-    seen_[index({entry.cell, layer})] = map.serial();
+    const std::size_t place = index({entry.cell, layer});
+    if (place == last) return;
+    last = place;
+    seen_[place] = map.serial();
     kept_[entry.cell * words_ + layer / kWord] |= std::uint64_t{1} << (layer % kWord);
   });
   const double scans = static_cast<double>(std::max(kScansLeast, map.scans()));

@@ -46,6 +46,15 @@ class PartMapRing {
     ++used_;
     ++parts_[newest_].count;
   }
+  /// @pre room() >= count and scans() > 0
+  void add(const MappedReturn* entries, std::size_t count) {
+    const std::size_t straight = std::min(count, returns_.size() - next_);
+    std::copy_n(entries, straight, returns_.data() + next_);
+    std::copy_n(entries + straight, count - straight, returns_.data());
+    next_ = next_ + count < returns_.size() ? next_ + count : next_ + count - returns_.size();
+    used_ += count;
+    parts_[newest_].count += count;
+  }
   /// Hands each of the oldest part map's returns to visit. @pre scans() > 0
   template <typename Visit>
   void visitOldest(Visit&& visit) const {

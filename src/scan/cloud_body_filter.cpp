@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kEdge = 64;  // pixels of 1.4 degrees
 constexpr int kTile = 8;
-constexpr int kBallsMax = 8;        // for one shape
+constexpr int kBallsMax = 16;       // for one shape
 constexpr double kRounding = 1e-4;  // [m], [rad]: points come as floats
 
 /// A shape as a row of balls along its longest axis that contain it.
@@ -62,7 +62,7 @@ LineSpan spanOf(const Shape& shape, const Ray& ray) {
 
 }  // namespace
 
-CloudBodyFilter::CloudBodyFilter() : cube_(kEdge), pixels_(cube_.pixels()) {
+CloudBodyFilter::CloudBodyFilter() : cube_(kEdge), pixels_(cube_.pixels()), noise_(RangeNoise()) {
   directions_.resize(cube_.pixels());
   for (int face = 0; face < 6; ++face) {
     for (int row = 0; row < kEdge; ++row) {
@@ -84,7 +84,8 @@ void CloudBodyFilter::draw(const BodyFilter& filter, const RangeNoise& noise,
                            const std::vector<BodySample>& samples,
                            const std::vector<CloudPlace>& places) {
   filter_ = filter;
-  noise_ = noise;
+  noise_ = RangeNoise::Floats(noise);
+  tolerance_ = static_cast<float>(filter.range_tolerance_m);
   shadow_ = static_cast<float>(filter.shadow_depth_m);
   std::fill(pixels_.begin(), pixels_.end(), Pixel());
   near_ = std::numeric_limits<float>::infinity();
@@ -134,8 +135,8 @@ void CloudBodyFilter::drawShape(std::size_t shape, const std::vector<BodySample>
   }
   const Row row = rowOf(expanded(samples.front().body.shapes[shape], {1.0, padding}));
   const double half = row.half_axis.norm();
-  const int balls =
-      std::clamp(static_cast<int>(std::ceil(half / std::max(row.radius, 1e-3))), 1, kBallsMax);
+  const int balls = std::clamp(static_cast<int>(std::ceil(2.0 * half / std::max(row.radius, 1e-3))),
+                               1, kBallsMax);
   const double moved = motionOf(shape, row.half_axis) + kRounding;
   const Pose T_sensor_shape =
       sensor_poses_.front() * samples[places.front().sample].body.poses[shape];
@@ -210,54 +211,61 @@ const CloudBodyFilter::Seen& CloudBodyFilter::seenFrom(std::size_t place, std::s
 BeamKind CloudBodyFilter::classify(const Eigen::Vector3f& p_sensor, float range,
                                    std::size_t place) {
   const Vector3 p = p_sensor.cast<double>();
+  // Mostly it lies on the shape that the point before was taken for.
+  if (isWithin(p, place, last_)) return taken(last_);
+  const double away = p.norm();
   const Sighted point{
-      p, p.norm(),
+      p, p / away, away,
       std::max(filter_.range_tolerance_m, 5.0 * static_cast<double>(noise_.at(range)))};
   const std::uint64_t shapes = pixels_[cube_.pixelOf(p_sensor)].shapes;
-  const auto isDrawn = [shapes](std::size_t i) { return (shapes >> (i % 64) & 1) != 0; };
   BeamKind kind = BeamKind::kReturn;
-  // Whether it is taken for the shape. Mostly that is the one that the point before was taken for.
-  const auto isTaken = [&](std::size_t i) {
-    const BeamKind by_shape = classify(point, place, i);
-    if (by_shape == BeamKind::kShadow) kind = by_shape;
-    if (by_shape != BeamKind::kSelf) return false;
-    ++self_counts_[i];
-    last_ = i;
-    return true;
-  };
-  const std::size_t last = last_;
-  if (isDrawn(last) && isTaken(last)) return BeamKind::kSelf;
   for (std::size_t begin = 0; begin < shapes_; begin += 64) {
     for (std::uint64_t left = shapes; left != 0; left &= left - 1) {
       const std::size_t i = begin + static_cast<std::size_t>(__builtin_ctzll(left));
       if (i >= shapes_) break;
-      if (i != last && isTaken(i)) return BeamKind::kSelf;
+      const BeamKind by_shape = classify(point, place, i);
+      if (by_shape == BeamKind::kSelf) return taken(i);
+      if (by_shape == BeamKind::kShadow) kind = by_shape;
     }
   }
   return kind;
+}
+
+BeamKind CloudBodyFilter::taken(std::size_t shape) {
+  last_ = shape;
+  ++self_counts_[shape];
+  return BeamKind::kSelf;
+}
+
+bool CloudBodyFilter::isWithin(const Vector3& p_sensor, std::size_t place, std::size_t shape) {
+  const Seen& seen = seenFrom(place, shape);
+  const Prepared& prepared = prepared_[samples_[place] * shapes_ + shape];
+  const Vector3 p_shape = seen.viewpoint + seen.R_shape_sensor * p_sensor;
+  return ask(prepared.shape, IsWithin{p_shape, prepared.padding});
 }
 
 /// One step of BodyFilter::classify, with all that it needs in the shape's frame.
 BeamKind CloudBodyFilter::classify(const Sighted& point, std::size_t place, std::size_t shape) {
   const Prepared& prepared = prepared_[samples_[place] * shapes_ + shape];
   const Seen& seen = seenFrom(place, shape);
-  const Ray ray_sensor{Vector3::Zero(), point.p_sensor / point.range};
+  const Ray ray_sensor{Vector3::Zero(), point.direction};
   if (squaredDistance(ray_sensor, point.range + point.tolerance, seen.centre) >
       prepared.far * prepared.far) {
     return BeamKind::kReturn;
   }
-  const Vector3 sight = seen.R_shape_sensor * point.p_sensor;
-  if (ask(prepared.shape, PointDistance{seen.viewpoint + sight}) <= prepared.padding) {
-    return BeamKind::kSelf;
-  }
+  if (isWithin(point.p_sensor, place, shape)) return BeamKind::kSelf;
   if (seen.holds_sensor) return BeamKind::kReturn;
-  const Ray ray{seen.viewpoint, sight / point.range};
-  const LineSpan met = spanOf(prepared.padded, ray);
+  const Ray ray{seen.viewpoint, seen.R_shape_sensor * point.direction};
+  const bool is_padded_larger = prepared.padding >= filter_.grazing_m;
+  // What passes by the larger passes by the other.
+  const LineSpan larger = spanOf(is_padded_larger ? prepared.padded : prepared.grazed, ray);
+  if (larger.empty()) return BeamKind::kReturn;
+  const LineSpan met = is_padded_larger ? larger : spanOf(prepared.padded, ray);
   if (!met.empty() && point.range >= met.enter - point.tolerance &&
       point.range <= met.leave + point.tolerance) {
     return BeamKind::kSelf;
   }
-  const LineSpan span = spanOf(prepared.grazed, ray);
+  const LineSpan span = is_padded_larger ? spanOf(prepared.grazed, ray) : larger;
   const bool is_behind = !span.empty() && point.range >= span.enter &&
                          point.range <= span.leave + filter_.shadow_depth_m;
   return is_behind ? BeamKind::kShadow : BeamKind::kReturn;

@@ -70,12 +70,13 @@ class CloudBodyFilter {
   /// A point on its beam.
   struct Sighted {
     Vector3 p_sensor;
+    Vector3 direction;
     double range;
     double tolerance;
   };
   /// Five times the noise, as self_filter_range_tolerance_m is to be.
   [[nodiscard]] float toleranceAt(float range) const {
-    return std::max(static_cast<float>(filter_.range_tolerance_m), 5.0F * noise_.at(range));
+    return std::max(tolerance_, 5.0F * noise_.at(range));
   }
   void prepare(const std::vector<BodySample>& samples);
   void placeSensor(const std::vector<CloudPlace>& places);
@@ -84,6 +85,8 @@ class CloudBodyFilter {
   [[nodiscard]] double motionOf(std::size_t shape, const Vector3& half_axis) const;
   void drawBall(std::size_t shape, const Ball& ball_sensor);
   [[nodiscard]] const Seen& seenFrom(std::size_t place, std::size_t shape);
+  BeamKind taken(std::size_t shape);
+  [[nodiscard]] bool isWithin(const Vector3& p_sensor, std::size_t place, std::size_t shape);
   [[nodiscard]] BeamKind classify(const Sighted& point, std::size_t place, std::size_t shape);
 
   DirectionCube cube_;
@@ -93,7 +96,8 @@ class CloudBodyFilter {
   float near_ = 0.0F;  ///< no pixel has a shape that is nearer [m]
   float far_ = 0.0F;   ///< nor further
   BodyFilter filter_;
-  RangeNoise noise_;
+  RangeNoise::Floats noise_;
+  float tolerance_ = 0.0F;
   float shadow_ = 0.0F;
   std::size_t shapes_ = 0;
   std::uint64_t drawing_ = 0;

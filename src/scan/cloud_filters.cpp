@@ -70,7 +70,7 @@ class Neighbourhood {
   }
 
   const Cloud& cloud_;
-  const RangeNoise& noise_;
+  RangeNoise::Floats noise_;
   const std::vector<float>& ranges_;
   float separation_;
   float slope_squared_;

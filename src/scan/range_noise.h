@@ -18,9 +18,18 @@ struct RangeNoise {
     table.add("range_noise_per_m2", &per_m2, "1/m", {0.0, 1.0},
               "0.0019 for a Kinect or RealSense, 0 for a lidar");
   }
-  [[nodiscard]] float at(float range) const {
-    return static_cast<float>(constant_m) + static_cast<float>(per_m2) * range * range;
-  }
+  [[nodiscard]] float at(float range) const { return Floats(*this).at(range); }
+
+  /// For what is asked of every point of a cloud.
+  struct Floats {
+    float constant_m;
+    float per_m2;
+
+    explicit Floats(const RangeNoise& noise)
+        : constant_m(static_cast<float>(noise.constant_m)),
+          per_m2(static_cast<float>(noise.per_m2)) {}
+    [[nodiscard]] float at(float range) const { return constant_m + per_m2 * range * range; }
+  };
 };
 
 }  // namespace tccm
