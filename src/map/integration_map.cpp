@@ -9,6 +9,7 @@
 namespace tccm {
 namespace {
 
+constexpr std::size_t kScanMost = 4096;   // returns of a laser's scan, as a rule
 constexpr std::size_t kChunk = 1024;      // returns between two looks at what room there is
 constexpr double kPlaceRounding = 1e-6;   // [m]; returns are rounded to the micrometre
 constexpr double kHeightRounding = 1e-9;  // [m]
@@ -80,6 +81,46 @@ class IntegrationMap::ScanBatch {
   std::size_t next_ = 0;
 };
 
+/// The same for a cloud, which comes back to a cell row by row: what is gathered lies at the cells.
+class IntegrationMap::CloudBatch {
+ public:
+  /// @pre, @param as ScanBatch's.
+  CloudBatch(Columns& columns, std::uint32_t serial, CloudCells& cells)
+      : columns_(columns), serial_(serial), cells_(cells) {}
+
+  void add(CellIndex cell, Columns::Heights heights) {
+    Columns::Heights& gathered = cells_.gathered[cell];
+    if (gathered.bottom >= gathered.top) {
+      cells_.touched.push_back(cell);
+    } else if (heights.bottom <= gathered.top && heights.top >= gathered.bottom) {
+      heights.bottom = std::min(heights.bottom, gathered.bottom);
+      heights.top = std::max(heights.top, gathered.top);
+    } else {
+      insert(cell, gathered);
+    }
+    gathered = heights;
+  }
+  void finish() {
+    for (const CellIndex cell : cells_.touched) {
+      insert(cell, cells_.gathered[cell]);
+      cells_.gathered[cell] = {0, 0};
+    }
+    cells_.touched.clear();
+  }
+  [[nodiscard]] std::size_t needs(std::size_t returns) const {
+    return 2 * (returns + cells_.touched.size());
+  }
+
+ private:
+  void insert(CellIndex cell, Columns::Heights heights) {
+    static_cast<void>(columns_.insert(cell, heights.bottom, heights.top, serial_));
+  }
+
+  Columns& columns_;
+  std::uint32_t serial_;
+  CloudCells& cells_;
+};
+
 void IntegrationMap::Config::describe(ParameterTable& table) {
   grid.describe(table);
   table.add("thickness_m", &thickness_m, "m",
@@ -101,7 +142,10 @@ IntegrationMap::IntegrationMap(const Config& config)
       // Layers as thick as a return: returns of two cuboids never share one.
       counts_(grid_, thickness_),
       ring_(config.scans_max, config.returns_max),
-      losses_(grid_.cells()) {}
+      losses_(grid_.cells()) {
+  cloud_cells_.gathered.resize(grid_.cells(), {0, 0});
+  cloud_cells_.touched.reserve(grid_.cells());
+}
 
 IntegrationMap::Added IntegrationMap::add(Time stamp, const std::vector<Vector3>& returns) {
   if (ring_.full()) expireOldest();
@@ -109,19 +153,25 @@ IntegrationMap::Added IntegrationMap::add(Time stamp, const std::vector<Vector3>
   newest_stamp_ = stamp;
   ring_.begin(serial_, stamp);
   const bool may_forget = forgotten_.begin(stamp);
-  ScanBatch batch(columns_, serial_);
+  // A laser's scan has at most scan_beams_max.
+  return returns.size() <= kScanMost
+             ? addAll(returns, may_forget, ScanBatch(columns_, serial_))
+             : addAll(returns, may_forget, CloudBatch(columns_, serial_, cloud_cells_));
+}
+
+template <typename Batch>
+IntegrationMap::Added IntegrationMap::addAll(const std::vector<Vector3>& returns, bool may_forget,
+                                             Batch batch) {
   Added added;
   // A camera's frame has more returns than there may ever be intervals, and needs few of these.
   for (std::size_t i = 0; i < returns.size(); i += kChunk) {
     const Vector3* begin = returns.data() + i;
-    const Vector3* end = begin + std::min(kChunk, returns.size() - i);
-    const std::size_t count = static_cast<std::size_t>(end - begin);
-    const bool fits = columns_.room() >= ScanBatch::needs(count) && ring_.room() >= count;
-    if (fits && !may_forget) {
-      addAll(begin, end, batch, added);
+    const std::size_t count = std::min(kChunk, returns.size() - i);
+    if (columns_.room() >= batch.needs(count) && ring_.room() >= count) {
+      addChunk(begin, begin + count, may_forget, batch, added);
     } else {
       batch.finish();
-      addEach(begin, end, may_forget, added);
+      addEach(begin, begin + count, may_forget, added);
     }
   }
   batch.finish();
@@ -129,13 +179,18 @@ IntegrationMap::Added IntegrationMap::add(Time stamp, const std::vector<Vector3>
 }
 
 /// What there is room for, in steps that each have little to ask.
-void IntegrationMap::addAll(const Vector3* begin, const Vector3* end, ScanBatch& batch,
-                            Added& added) {
+template <typename Batch>
+void IntegrationMap::addChunk(const Vector3* begin, const Vector3* end, bool may_forget,
+                              Batch& batch, Added& added) {
   std::array<MappedReturn, kChunk> places;
-  std::size_t count = 0;
+  std::size_t count = 0, forgotten = 0;
   for (const Vector3* p_fixed = begin; p_fixed != end; ++p_fixed) {
     const auto place = grid_.place(*p_fixed);
     if (!place) continue;
+    if (may_forget && forgotten_.contains(*p_fixed)) {
+      ++forgotten;
+      continue;
+    }
     places[count].cell = place->cell;  // one by one: copied as a whole they would wait
     places[count++].height = place->height;
   }
@@ -143,7 +198,8 @@ void IntegrationMap::addAll(const Vector3* begin, const Vector3* end, ScanBatch&
   for (std::size_t i = 0; i < count; ++i) counts_.add(places[i].cell, places[i].height);
   ring_.add(places.data(), count);
   added.mapped += count;
-  added.out_of_area += static_cast<std::size_t>(end - begin) - count;
+  added.forgotten += forgotten;
+  added.out_of_area += static_cast<std::size_t>(end - begin) - count - forgotten;
 }
 
 void IntegrationMap::addEach(const Vector3* begin, const Vector3* end, bool may_forget,

@@ -111,7 +111,8 @@ class IntegrationMap {
   }
   [[nodiscard]] std::size_t memoryBytes() const {
     return columns_.memoryBytes() + counts_.memoryBytes() + ring_.memoryBytes() +
-           forgotten_.memoryBytes() + bytesOf(losses_);
+           forgotten_.memoryBytes() + bytesOf(losses_) +
+           bytesOf(cloud_cells_.gathered, cloud_cells_.touched);
   }
 
   /// Writes cuboids but their dyn, index, grid, stamp, serial, window and thickness; the rest is
@@ -135,8 +136,18 @@ class IntegrationMap {
                                              std::numeric_limits<Height>::min()};
 
   class ScanBatch;
-  /// @pre ring and columns have room for them, and none is to be forgotten.
-  void addAll(const Vector3* begin, const Vector3* end, ScanBatch& batch, Added& added);
+  class CloudBatch;
+  /// What a cloud under way has gathered at each cell; nothing between calls of add().
+  struct CloudCells {
+    std::vector<Columns::Heights> gathered;
+    std::vector<CellIndex> touched;
+  };
+  template <typename Batch>
+  Added addAll(const std::vector<Vector3>& returns, bool may_forget, Batch batch);
+  /// @pre ring and columns have room for them.
+  template <typename Batch>
+  void addChunk(const Vector3* begin, const Vector3* end, bool may_forget, Batch& batch,
+                Added& added);
   void addEach(const Vector3* begin, const Vector3* end, bool may_forget, Added& added);
   void markCellsNear(const RegionPart& part);
   std::size_t removeReturns(const std::vector<RegionPart>& parts);
@@ -151,6 +162,7 @@ class IntegrationMap {
   ReturnCounts counts_;
   PartMapRing ring_;
   ForgottenRegions forgotten_;
+  CloudCells cloud_cells_;
   std::vector<Loss> losses_;  ///< by cell; none between calls of forget()
   std::uint32_t serial_ = 0;
   std::uint32_t overflow_serial_ = 0;  ///< of the last scan with points left out

@@ -95,11 +95,13 @@ std::string fromMessage(const CloudScan& message, ScanReturns& returns) {
   returns.stamp = toTime(message.header.stamp);
   returns.viewpoint = fromPoint(message.viewpoint);
   returns.tilt = 0.0;
-  returns.points.clear();
+  returns.points.resize(message.points.size() / 3);
+  Vector3* next = returns.points.data();
   for (std::size_t i = 0; i < message.points.size(); i += 3) {
-    const Vector3 p = take(&message.points[i]);
-    if (p.allFinite()) returns.points.push_back(p);
+    *next = take(&message.points[i]);
+    if (next->allFinite()) ++next;
   }
+  returns.points.resize(static_cast<std::size_t>(next - returns.points.data()));
   returns.looks.clear();
   for (std::size_t i = 0; i < message.look_kinds.size(); ++i) {
     const std::size_t origin = message.look_origins.empty() ? 0 : message.look_origins[i];

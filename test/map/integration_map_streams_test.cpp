@@ -162,6 +162,16 @@ TEST(IntegrationMapStreamsTest, RandomStreamsThroughFixedWindowsAreExactAfterEve
   }
 }
 
+TEST(IntegrationMapStreamsTest, CloudsOfThousandsOfReturnsAreExactAfterEveryStep) {
+  for (const std::size_t window : {1U, 3U}) {
+    test::Random random(static_cast<unsigned>(70 + window));
+    Comparison comparison(test::crowdedMap(60000, 60000), Comparison::Births::kCompared);
+    ASSERT_NO_FATAL_FAILURE(
+        expectEqualAlong(comparison, random, {12000, 0.1, 0.3}, 20, [window] { return window; }));
+    EXPECT_GT(comparison.cuboidsCompared(), 200U);
+  }
+}
+
 TEST(IntegrationMapStreamsTest, GrowingAndShrinkingWindowsAreExactAfterEveryStep) {
   unsigned seed = 90;
   for (const Stream& stream : kStreams) {
