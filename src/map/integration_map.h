@@ -25,9 +25,9 @@ class IntegrationMap {
  public:
   struct Config {
     Grid::Config grid;
-    double thickness_m = 0.02;         ///< d0, at least a quantum
-    std::size_t scans_max = 512;       ///< longest window
-    std::size_t returns_max = 400000;  ///< in the window
+    double thickness_m = 0.02;          ///< d0, at least a quantum
+    std::size_t scans_max = 512;        ///< longest window
+    std::size_t returns_max = 4000000;  ///< in the window
     std::size_t intervals_max = 200000;
 
     void describe(ParameterTable& table);
@@ -91,6 +91,8 @@ class IntegrationMap {
   }
   [[nodiscard]] Height thickness() const { return thickness_; }
   [[nodiscard]] std::size_t scans() const { return ring_.scans(); }
+  /// Of all of them.
+  [[nodiscard]] std::size_t returns() const { return ring_.returns(); }
   [[nodiscard]] const Config& config() const { return config_; }
   /// How often all was forgotten.
   [[nodiscard]] std::uint32_t beginnings() const { return beginnings_; }

@@ -174,7 +174,7 @@ Mapper::Outcome Mapper::add(const ScanReturns& scan) {
   followTilt(scan.stamp, scan.tilt);
   if (map_.scans() == config_.map.scans_max) expireOldest();
   const auto added = map_.add(scan.stamp, scan.points);
-  looks_.add(scan.stamp, scan.looks);
+  looks_.add(scan.stamp, scan.looks, scan.is_whole);
   countSelf(scan);
   hold_.follow(scan, map_, looks_.image());
   expire();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "base/bytes_of.h"
@@ -19,7 +20,7 @@ using MappedReturn = Grid::Place;
 class PartMapRing {
  public:
   PartMapRing(std::size_t scans_max, std::size_t returns_max)
-      : parts_(scans_max), returns_(returns_max) {}
+      : parts_(scans_max), room_(returns_max), returns_(new MappedReturn[returns_max]) {}
 
   [[nodiscard]] bool full() const { return scans_ == parts_.size(); }
   [[nodiscard]] std::size_t scans() const { return scans_; }
@@ -38,7 +39,7 @@ class PartMapRing {
     parts_[newest_] = Part{serial, stamp, next_, 0};
   }
   /// For so many more returns.
-  [[nodiscard]] std::size_t room() const { return returns_.size() - used_; }
+  [[nodiscard]] std::size_t room() const { return room_ - used_; }
   /// Adds to the newest part map. @pre room() > 0 and scans() > 0
   void add(const MappedReturn& entry) {
     returns_[next_] = entry;
@@ -48,10 +49,10 @@ class PartMapRing {
   }
   /// @pre room() >= count and scans() > 0
   void add(const MappedReturn* entries, std::size_t count) {
-    const std::size_t straight = std::min(count, returns_.size() - next_);
-    std::copy_n(entries, straight, returns_.data() + next_);
-    std::copy_n(entries + straight, count - straight, returns_.data());
-    next_ = next_ + count < returns_.size() ? next_ + count : next_ + count - returns_.size();
+    const std::size_t straight = std::min(count, room_ - next_);
+    std::copy_n(entries, straight, &returns_[next_]);
+    std::copy_n(entries + straight, count - straight, &returns_[0]);
+    next_ = next_ + count < room_ ? next_ + count : next_ + count - room_;
     used_ += count;
     parts_[newest_].count += count;
   }
@@ -104,7 +105,9 @@ class PartMapRing {
   /// Of all part maps.
   [[nodiscard]] std::size_t returns() const { return used_; }
   void clear() { oldest_ = scans_ = next_ = used_ = 0; }
-  [[nodiscard]] std::size_t memoryBytes() const { return bytesOf(parts_, returns_); }
+  [[nodiscard]] std::size_t memoryBytes() const {
+    return bytesOf(parts_) + room_ * sizeof(MappedReturn);
+  }
 
  private:
   struct Part {
@@ -115,17 +118,19 @@ class PartMapRing {
   };
   template <typename Visit>
   void visitPart(const Part& part, Visit&& visit) const {
-    const std::size_t straight = std::min(part.count, returns_.size() - part.begin);
-    const MappedReturn* from = returns_.data() + part.begin;
+    const std::size_t straight = std::min(part.count, room_ - part.begin);
+    const MappedReturn* from = &returns_[part.begin];
     for (std::size_t i = 0; i < straight; ++i) visit(from[i]);
     for (std::size_t i = 0; i < part.count - straight; ++i) visit(returns_[i]);
   }
   [[nodiscard]] std::size_t after(std::size_t place) const {
-    return place + 1 < returns_.size() ? place + 1 : 0;
+    return place + 1 < room_ ? place + 1 : 0;
   }
 
   std::vector<Part> parts_;
-  std::vector<MappedReturn> returns_;
+  std::size_t room_;
+  /// Not written to before it is needed: a laser leaves most of what a camera needs to the system.
+  std::unique_ptr<MappedReturn[]> returns_;
   std::size_t oldest_ = 0;
   std::size_t newest_ = 0;  ///< meaningless while there are no scans
   std::size_t scans_ = 0;

@@ -12,6 +12,7 @@
 
 #include "nodelets/diagnosed_nodelet.h"
 #include "nodelets/markers.h"
+#include "ros/cloud_scan.h"
 #include "ros/conversions.h"
 #include "ros/scan_source.h"
 #include "ros/server_config.h"
@@ -46,6 +47,7 @@ class AssemblerNodelet : public DiagnosedNodelet {
   void hearInputs(std::unique_ptr<Source> source) {
     source_ = std::move(source);
     source_->onDrop([this](const ScanReport& report) { drop(report); });
+    filtered_publisher_ = advertise<sensor_msgs::PointCloud2>(node(), "filtered_cloud", 2);
     report_publisher_ = advertise<tccm_monitor::ScanReport>(node(), "scan_report", 50);
     if (model_) {
       marker_publisher_ =
@@ -90,6 +92,15 @@ class AssemblerNodelet : public DiagnosedNodelet {
         static_cast<float>(toSeconds(toTime(since.time) - ready.arrival));
     assembled_report_.self_link = stage_->selfLink();
     report(assembled_report_);
+  }
+
+  [[nodiscard]] bool isFilteredCloudHeard() const {
+    return filtered_publisher_.getNumSubscribers() > 0;
+  }
+  void publishFilteredCloud(const ScanReturns& returns) {
+    const auto message = filtered_clouds_.take();
+    toPoints(returns, withoutSlash(config_.fixed_frame), *message);
+    filtered_publisher_.publish(sensor_msgs::PointCloud2::ConstPtr(message));
   }
 
   [[nodiscard]] const Config& config() const { return config_; }
@@ -208,7 +219,8 @@ class AssemblerNodelet : public DiagnosedNodelet {
   std::size_t future_joints_ = 0;
   ros::Time last_scan_;
   BeamCounts beams_{};
-  ros::Publisher report_publisher_, marker_publisher_;
+  MessagePool<sensor_msgs::PointCloud2> filtered_clouds_;
+  ros::Publisher report_publisher_, marker_publisher_, filtered_publisher_;
   std::vector<ros::Subscriber> inputs_;
   ros::WallTimer marker_timer_;
 };

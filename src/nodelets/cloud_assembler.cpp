@@ -41,6 +41,7 @@ class CloudAssembler : public AssemblerNodelet<CloudAssemblerConfig, CloudStage,
     const auto message = messages_.take();
     toMessage(stage().returns(), withoutSlash(config().fixed_frame), *message);
     cloud_publisher_.publish(tccm_monitor::CloudScan::ConstPtr(message));
+    if (isFilteredCloudHeard()) publishFilteredCloud(stage().returns());
   }
 
   std::optional<CloudReader> reader_;

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/line_of.h"
 #include "map/place_ages.h"
 #include "nodelets/diagnosed_nodelet.h"
 #include "nodelets/markers.h"
@@ -72,8 +73,26 @@ class TccmMapper : public DiagnosedNodelet {
     ++mapped_;
     added_.mapped += outcome.added.mapped;
     added_.out_of_area += outcome.added.out_of_area;
+    noteLeftOut(outcome.added);
     publish();
     ages_->follow(mapper_->map(), mapper_->looks());
+  }
+
+  /// What did not fit into the map, and what to do about it.
+  void noteLeftOut(const IntegrationMap::Added& added) {
+    const std::size_t points = returns_.points.size();
+    const std::size_t left_out = points - added.mapped - added.out_of_area - added.forgotten;
+    if (!mapper_->map().overflowed()) left_out_.clear();
+    if (left_out == 0) return;
+    const IntegrationMap& map = mapper_->map();
+    const bool is_full = map.returns() == map.config().returns_max;
+    left_out_ = lineOf("%zu of a scan's %zu points are left out of the map: ", left_out, points) +
+                (is_full ? lineOf("the window's %zu scans have more than window_returns_max, %zu: "
+                                  "raise it, or lower window_s",
+                                  map.scans(), map.config().returns_max)
+                         : lineOf("intervals_max, %zu, is too little: raise it",
+                                  map.config().intervals_max));
+    NODELET_WARN_THROTTLE(5.0, "%s.", left_out_.c_str());
   }
 
   void drop(const char* topic, const std::string& reason) {
@@ -147,7 +166,7 @@ class TccmMapper : public DiagnosedNodelet {
       status.summary(DiagnosticStatus::ERROR, "no scan_cloud and no cloud_scan yet");
     } else if (snapshot_.overflowed) {
       status.summary(DiagnosticStatus::ERROR,
-                     "points are left out: raise window_returns_max or intervals_max");
+                     left_out_.empty() ? "points are left out: raise held_max" : left_out_);
     } else if (!snapshot_.complete && mapper_->map().scans() == config_.mapper.map.scans_max) {
       status.summary(DiagnosticStatus::ERROR, "window_scans_max is too small for the window");
     } else if (snapshot_.tilt_stopped) {
@@ -188,6 +207,7 @@ class TccmMapper : public DiagnosedNodelet {
   std::size_t mapped_ = 0;
   std::size_t dropped_ = 0;
   bool lacks_window_ = false;
+  std::string left_out_;  ///< lately, for people; empty where nothing was
   std::size_t forgotten_ = 0;
   IntegrationMap::Added added_;
   ros::Publisher map_publisher_, marker_publisher_;

@@ -34,9 +34,13 @@ class TiltScanAssembler : public AssemblerNodelet<AssemblerConfig, ScanStage, Sc
     const auto cloud = clouds_.take();
     toMessage(stage().scan(), withoutSlash(config().fixed_frame), *cloud);
     cloud_publisher_.publish(sensor_msgs::PointCloud2::ConstPtr(cloud));
+    if (!isFilteredCloudHeard()) return;
+    takeReturns(stage().scan(), returns_);
+    publishFilteredCloud(returns_);
   }
 
   MessagePool<sensor_msgs::PointCloud2> clouds_;
+  ScanReturns returns_;
   ros::Publisher cloud_publisher_;
 };
 

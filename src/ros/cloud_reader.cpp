@@ -108,6 +108,13 @@ void takeTimes(const PointCloud2& message, std::size_t row_step, std::uint32_t o
   });
 }
 
+/// How often times may begin anew in a cloud that is not organised: twice for each of a lidar's
+/// channels, unless it has few points for each. What is no time falls at every other point.
+int fallsMost(std::size_t points) {
+  constexpr std::size_t kChannelsMost = 128, kPointsLeast = 64;
+  return static_cast<int>(2 * std::min(kChannelsMost, points / kPointsLeast));
+}
+
 struct Extent {
   double lowest = std::numeric_limits<double>::infinity();
   double highest = -std::numeric_limits<double>::infinity();
@@ -275,7 +282,8 @@ std::string CloudReader::readTimes(const PointCloud2& message, const Layout& lay
 }
 
 /// Times rise along each row of the memory: a lidar that publishes a row for each channel begins
-/// anew with each, one that straightens its rows (Ouster) once more within each.
+/// anew with each, one that straightens its rows (Ouster) once more within each. Where it publishes
+/// them one after another as one, so many times.
 std::string CloudReader::defectOfTimes(const PointField& field, Cloud& cloud) const {
   Extent offsets;
   for (std::size_t row = 0; row < cloud.height; ++row) {
@@ -292,7 +300,7 @@ std::string CloudReader::defectOfTimes(const PointField& field, Cloud& cloud) co
       }
       highest = std::max(highest, offset);
     }
-    if (falls > (cloud.organised() ? 1 : 0)) {
+    if (falls > (cloud.organised() ? 1 : fallsMost(cloud.width))) {
       return described(field) +
              lineOf(" falls by more than %.0f ms from point to point: times have to rise",
                     1e3 * static_cast<double>(kStepBack));

@@ -1,8 +1,11 @@
 #include "ros/cloud_scan.h"
 
+#include <sensor_msgs/point_cloud2_iterator.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 
 #include "base/line_of.h"
@@ -95,6 +98,7 @@ std::string fromMessage(const CloudScan& message, ScanReturns& returns) {
   returns.stamp = toTime(message.header.stamp);
   returns.viewpoint = fromPoint(message.viewpoint);
   returns.tilt = 0.0;
+  returns.is_whole = true;
   returns.points.resize(message.points.size() / 3);
   Vector3* next = returns.points.data();
   for (std::size_t i = 0; i < message.points.size(); i += 3) {
@@ -110,6 +114,25 @@ std::string fromMessage(const CloudScan& message, ScanReturns& returns) {
     if (look.end.allFinite() && look.viewpoint.allFinite()) returns.looks.push_back(look);
   }
   return {};
+}
+
+void toPoints(const ScanReturns& returns, const std::string& frame,
+              sensor_msgs::PointCloud2& message) {
+  message.header.frame_id = frame;
+  message.header.stamp = toRos(returns.stamp);
+  sensor_msgs::PointCloud2Modifier layout(message);
+  layout.setPointCloud2Fields(3, "x", 1, sensor_msgs::PointField::FLOAT32, "y", 1,
+                              sensor_msgs::PointField::FLOAT32, "z", 1,
+                              sensor_msgs::PointField::FLOAT32);
+  layout.resize(returns.points.size());
+  message.is_dense = 1;
+  std::uint8_t* bytes = message.data.data();
+  for (const Vector3& p_fixed : returns.points) {
+    float numbers[3];
+    put(p_fixed, numbers);
+    std::memcpy(bytes, numbers, sizeof numbers);
+    bytes += sizeof numbers;
+  }
 }
 
 }  // namespace tccm

@@ -134,6 +134,7 @@ std::string fromMessage(const sensor_msgs::PointCloud2& message, ScanReturns& re
     return "it has no points, fewer bytes than it says, or big-endian numbers";
   }
   returns.stamp = toTime(message.header.stamp);
+  returns.is_whole = false;
   returns.points.clear();
   returns.looks.clear();
   for (std::size_t i = 0; i < count; ++i) {

@@ -123,6 +123,7 @@ void CloudStage::begin(const Cloud& cloud) {
   looks_.begin(cloud, state_);
   returns_.stamp = cloud.first();
   returns_.tilt = 0.0;
+  returns_.is_whole = true;
   returns_.viewpoint = places_.back().T_fixed_sensor.translation();
   returns_.points.clear();
   counts_ = {};

@@ -18,7 +18,9 @@ struct ScanReturns {
   Time stamp;                           ///< of the first beam
   Vector3 viewpoint = Vector3::Zero();  ///< the sensor's origin at the last beam [m]
   double tilt = 0.0;                    ///< of the sensor at the first beam [rad]
-  std::vector<Vector3> points;          ///< in the fixed frame [m]
+  /// A camera's frame or a lidar's turn: it has no tilt, and its looks are a pass of their own.
+  bool is_whole = false;
+  std::vector<Vector3> points;  ///< in the fixed frame [m]
   std::vector<Look> looks;
 };
 

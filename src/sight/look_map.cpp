@@ -38,7 +38,7 @@ void LookMap::Config::describe(ParameterTable& table) {
   table.add("look_spread_rad", &spread_rad, "rad", {0.001, 0.2},
             "a beam speaks for the directions within it: at least half of what scans are apart");
   table.add("look_pass_gap_s", &pass_gap_s, "s", {0.001, 10.0},
-            "looks in one direction that are further apart are two passes");
+            "looks in one direction that are further apart are two passes; each cloud is one");
 }
 
 LookMap::LookMap(const Config& config)
@@ -57,8 +57,9 @@ void LookMap::clear() {
   started_ = false;
 }
 
-void LookMap::add(Time stamp, const std::vector<Look>& looks) {
+void LookMap::add(Time stamp, const std::vector<Look>& looks, bool is_pass) {
   if (looks.empty()) return;
+  gap_ = is_pass ? 0 : pass_gap_;
   const Vector3& viewpoint = looks[looks.size() / 2].viewpoint;
   if (!started_ || stamp - image_.epoch() > kLongest) {
     clear();
@@ -119,14 +120,14 @@ void LookMap::note(int row, int column, const Beam& beam, float aim) {
   LookImage::Passes& passes = image_.edit(row, column);
   Aims& aims = aims_[image_.grid().index(row, column)];
   const Ticks now = beam.pass.last;
-  const bool is_new = passes[0].end == Seen::kNever || now - passes[0].last > pass_gap_;
+  const bool is_new = passes[0].end == Seen::kNever || now - passes[0].last > gap_;
   if (is_new) {
     std::move_backward(passes.begin(), passes.end() - 1, passes.end());
     std::move_backward(aims.begin(), aims.end() - 1, aims.end());
   } else {
     passes[0].last = now;
     // The best look of a long pass must not be one of long ago.
-    if (aim < aims[0].aim && now - aims[0].stamp <= pass_gap_) return;
+    if (aim < aims[0].aim && now - aims[0].stamp <= gap_) return;
   }
   const Ticks first = is_new ? now : passes[0].first;
   passes[0] = beam.pass;

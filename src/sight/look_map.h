@@ -29,8 +29,9 @@ class LookMap {
   /// Allocates all that it will ever use. @throws ConfigError
   explicit LookMap(const Config& config);
 
-  /// A scan's looks. @pre stamps do not fall.
-  void add(Time stamp, const std::vector<Look>& looks);
+  /// A scan's looks. @pre stamps do not fall. @param is_pass whether they are a pass of their own,
+  /// however shortly they follow others.
+  void add(Time stamp, const std::vector<Look>& looks, bool is_pass = false);
   void clear();
 
   [[nodiscard]] const LookImage& image() const { return image_; }
@@ -71,6 +72,7 @@ class LookMap {
   double spread_cosine_;
   DirectionGrid::Around spread_;  ///< the pixels that a beam may speak for
   Ticks pass_gap_;
+  Ticks gap_ = 0;  ///< of the scan that is added
   std::vector<Aims> aims_;
   bool started_ = false;
   Vector3 mean_viewpoint_ = Vector3::Zero();  ///< lately

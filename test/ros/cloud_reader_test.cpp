@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <fstream>
 #include <functional>
+#include <iterator>
 
+#include "ros/conversions.h"
+#include "scan/scan_assembler.h"
 #include "support/driver_clouds.h"
 #include "support/random.h"
 #include "support/refusal.h"
@@ -81,6 +84,37 @@ TEST(CloudReaderTest, ThePageOnSensorsHasEachDriversFieldsAndTime) {
     fields.append(" | ").append(time);
     EXPECT_NE(row->find(fields), std::string::npos) << *row << "\nshould have " << fields;
   }
+}
+
+/// As urg_node writes it for a UTM-30LX, the tilting Hokuyo's row: no cloud, but a scan.
+TEST(CloudReaderTest, ThePageOnSensorsHasTheTiltingHokuyosScanAndTimes) {
+  sensor_msgs::LaserScan message;
+  message.header.stamp = ros::Time(1700000000, 250000000);
+  message.angle_min = -2.35619F;
+  message.angle_max = 2.35619F;
+  message.angle_increment = 0.00436332F;
+  message.time_increment = 1.7361e-05F;
+  message.scan_time = 0.025F;
+  message.range_min = 0.023F;
+  message.range_max = 60.0F;
+  message.ranges.assign(1081, 2.0F);
+  message.intensities.assign(1081, 700.0F);
+  const LaserScan scan = fromMessage(message);
+  EXPECT_EQ(defectOf(scan, ScanAssembler().scan_beams_max), "");
+  EXPECT_NEAR(toSeconds(scan.lastBeamTime() - scan.stamp), 1080 * 1.7361e-05, 1e-6);
+  std::ifstream file(std::string(TCCM_SOURCE_DIR) + "/docs/sensors.md");
+  const std::string page{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_NE(page.find("a LaserScan | `time_increment` | 0: measured | `TiltScanAssembler`"),
+            std::string::npos);
+}
+
+TEST(CloudReaderTest, WhatIsNoTimeIsRefusedHoweverManyChannelsThereMayBe) {
+  DriverCloud cloud = test::unorganisedOusterCloud();
+  Random random(3);
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    put(cloud.message, i, 20, static_cast<std::uint32_t>(random.integer(0, 99000000)));
+  }
+  EXPECT_NE(refusalOf(cloud.message).find("times have to rise"), std::string::npos);
 }
 
 /// A small cloud of any layout: fields in any order, gaps and padding, float32 or float64, with

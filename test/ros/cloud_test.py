@@ -128,6 +128,22 @@ class CloudTest(unittest.TestCase):
         return (message.origin_x + (ix + 0.5) * message.cell_size,
                 message.origin_y + (iy + 0.5) * message.cell_size)
 
+    def test_what_is_left_is_published_while_somebody_listens(self):
+        heard = []
+        subscriber = rospy.Subscriber("/camera/filtered_cloud", PointCloud2, heard.append)
+        message = wait_for(lambda: next(iter(list(heard)), None))
+        subscriber.unregister()
+        self.assertEqual(message.header.frame_id, "base_link")
+        self.assertEqual([field.name for field in message.fields], ["x", "y", "z"])
+        self.assertEqual(len(message.data), 12 * message.width * message.height)
+        points = numpy.frombuffer(message.data, dtype=numpy.float32).reshape(-1, 3)
+        self.assertGreater(len(points), 0.8 * numpy.isfinite(scene()[:, 0]).sum())
+        on_table = numpy.abs(points[:, 2] - TABLE) < 0.01
+        on_box = numpy.all([(points[:, k] > BOX[0][k] - 0.01) & (points[:, k] < BOX[1][k] + 0.01)
+                            for k in range(3)], axis=0)
+        self.assertTrue(numpy.all(on_table | on_box))
+        self.assertGreater(on_box.sum(), 100)
+
     def test_wrong_layouts_are_counted_and_reported(self):
         def renamed(message):
             message.fields[1].name = "intensity"

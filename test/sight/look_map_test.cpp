@@ -48,6 +48,16 @@ TEST(LookMapTest, ALookSpeaksForTheDirectionsAroundIt) {
   EXPECT_NEAR(passesAt(map, 0.3, -0.5)[0].range(), 1.2, 0.0011);
 }
 
+TEST(LookMapTest, EachCloudIsAPassHoweverShortlyItFollows) {
+  LookMap map({});
+  for (const double t : {10.0, 10.033, 10.066}) map.add(at(t), {look(0.3, -0.5, 1.2)}, true);
+  const LookImage::Passes passes = passesAt(map, 0.3, -0.5);
+  EXPECT_EQ(map.image().timeOf(passes[0].first), at(10.066));
+  EXPECT_EQ(map.image().timeOf(passes[1].first), at(10.033));
+  map.add(at(10.1), {look(0.3, -0.5, 1.2)});  // a scan is not
+  EXPECT_EQ(map.image().timeOf(passesAt(map, 0.3, -0.5)[0].first), at(10.066));
+}
+
 TEST(LookMapTest, OfOneScanTheLookNearestToTheMiddleCounts) {
   LookMap map({});
   const DirectionGrid& grid = map.image().grid();

@@ -88,6 +88,24 @@ inline DriverCloud realSenseCloud() {
   return cloud;
 }
 
+/// The same with ordered_pc:=false, the driver's default: what was measured alone, in one row.
+inline DriverCloud unorderedRealSenseCloud() {
+  const DriverCloud ordered = realSenseCloud();
+  DriverCloud cloud{"realsense, not ordered", {}, {}, {}};
+  for (const Eigen::Vector3f& p : ordered.points) {
+    if (p.allFinite()) cloud.points.push_back(p);
+  }
+  cloud.message = emptyCloud(static_cast<std::uint32_t>(cloud.points.size()), 1, 20,
+                             {{"x", 0, kF32}, {"y", 4, kF32}, {"z", 8, kF32}, {"rgb", 16, kF32}});
+  cloud.message.is_dense = 1;
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    for (int k = 0; k < 3; ++k) {
+      put(cloud.message, i, 4 * static_cast<std::uint32_t>(k), cloud.points[i][k]);
+    }
+  }
+  return cloud;
+}
+
 /// depth_image_proc/point_cloud_xyzrgb, which openni, freenect and azure_kinect drivers use.
 inline DriverCloud kinectCloud() {
   DriverCloud cloud{"kinect", {}, {}, {}};
@@ -158,6 +176,16 @@ inline DriverCloud ousterCloud() {
   return cloud;
 }
 
+/// The same with `organized: false`: row after row as one.
+inline DriverCloud unorganisedOusterCloud() {
+  DriverCloud cloud = ousterCloud();
+  cloud.driver = "ouster, not organised";
+  cloud.message.width *= cloud.message.height;
+  cloud.message.height = 1;
+  cloud.message.row_step = cloud.message.width * cloud.message.point_step;
+  return cloud;
+}
+
 /// livox_ros_driver2, PointXYZRTLT, packed: nanoseconds since the epoch as a double.
 inline DriverCloud livoxCloud() {
   DriverCloud cloud{"livox", {}, {}, {}};
@@ -198,8 +226,15 @@ inline DriverCloud hesaiCloud() {
 }
 
 inline std::vector<DriverCloud> driverClouds() {
-  return {realSenseCloud(), kinectCloud(), depthImageCloud(), velodyneCloud(),
-          ousterCloud(),    livoxCloud(),  hesaiCloud()};
+  return {realSenseCloud(),
+          unorderedRealSenseCloud(),
+          kinectCloud(),
+          depthImageCloud(),
+          velodyneCloud(),
+          ousterCloud(),
+          unorganisedOusterCloud(),
+          livoxCloud(),
+          hesaiCloud()};
 }
 
 }  // namespace tccm::test
