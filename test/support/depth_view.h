@@ -33,6 +33,8 @@ class DepthView {
   }
 
   [[nodiscard]] const std::shared_ptr<const RobotModel>& model() const { return model_; }
+  /// Of the model's variables.
+  [[nodiscard]] const std::vector<double>& positions() const { return positions_; }
   [[nodiscard]] const Pose& sensorPose() const { return T_fixed_camera_; }
   [[nodiscard]] PosePath sensorPath() const { return still(T_fixed_camera_); }
   [[nodiscard]] std::vector<PosePath> rootPaths() const { return {still(Pose::Identity())}; }
