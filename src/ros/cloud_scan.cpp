@@ -102,8 +102,9 @@ std::string fromMessage(const CloudScan& message, ScanReturns& returns) {
   returns.points.resize(message.points.size() / 3);
   Vector3* next = returns.points.data();
   for (std::size_t i = 0; i < message.points.size(); i += 3) {
-    *next = take(&message.points[i]);
-    if (next->allFinite()) ++next;
+    const float* p = &message.points[i];
+    *next = take(p);
+    if ((p[0] - p[0]) + (p[1] - p[1]) + (p[2] - p[2]) == 0.0F) ++next;  // all finite
   }
   returns.points.resize(static_cast<std::size_t>(next - returns.points.data()));
   returns.looks.clear();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace tccm {
 namespace {
@@ -110,6 +111,7 @@ void FlyingPixelFilter::applyToRow(const Cloud& cloud, const RangeNoise& noise, 
   for (; column + kRun < cloud.width; column += kRun) {
     bool are_near[kRun];
     neighbours.tellNear(row * cloud.width + column, are_near);
+    if (std::memchr(are_near, 0, kRun) == nullptr) continue;
     for (std::size_t i = 0; i < kRun; ++i) {
       if (!are_near[i]) ask(column + i);
     }
