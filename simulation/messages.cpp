@@ -1,5 +1,7 @@
 #include "simulation/messages.h"
 
+#include <cmath>
+#include <cstring>
 #include <utility>
 
 namespace tccm::simulation {
@@ -13,6 +15,50 @@ geometry_msgs::Quaternion toMessage(const Eigen::Quaterniond& q) {
   message.y = q.y();
   message.z = q.z();
   message.w = q.w();
+  return message;
+}
+
+geometry_msgs::TransformStamped transformMessage(const std::string& parent,
+                                                 const std::string& child, const Pose& pose,
+                                                 Time stamp) {
+  geometry_msgs::TransformStamped transform;
+  transform.header.stamp = toRos(stamp);
+  transform.header.frame_id = parent;
+  transform.child_frame_id = child;
+  transform.transform.translation.x = pose.translation().x();
+  transform.transform.translation.y = pose.translation().y();
+  transform.transform.translation.z = pose.translation().z();
+  transform.transform.rotation = toMessage(Eigen::Quaterniond(pose.linear()));
+  return transform;
+}
+
+void addField(sensor_msgs::PointCloud2& message, const std::string& name, std::uint32_t offset,
+              std::uint8_t type) {
+  sensor_msgs::PointField field;
+  field.name = name;
+  field.offset = offset;
+  field.datatype = type;
+  field.count = 1;
+  message.fields.push_back(field);
+}
+
+/// With the fields x, y and z, which are filled, and room for others.
+sensor_msgs::PointCloud2 pointsMessage(const Cloud& cloud, const std::string& frame,
+                                       std::uint32_t point_step) {
+  sensor_msgs::PointCloud2 message;
+  message.header.stamp = toRos(cloud.stamp);
+  message.header.frame_id = frame;
+  message.width = static_cast<std::uint32_t>(cloud.width);
+  message.height = static_cast<std::uint32_t>(cloud.height);
+  message.point_step = point_step;
+  message.row_step = message.width * point_step;
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    addField(message, std::string(1, "xyz"[i]), 4 * i, sensor_msgs::PointField::FLOAT32);
+  }
+  message.data.resize(static_cast<std::size_t>(message.height) * message.row_step);
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    std::memcpy(&message.data[i * point_step], cloud.points[i].data(), 12);
+  }
   return message;
 }
 
@@ -83,6 +129,44 @@ sensor_msgs::LaserScan toMessage(const LaserScan& scan, double scan_period_s) {
   return message;
 }
 
+sensor_msgs::PointCloud2 cameraMessage(const Cloud& cloud) {
+  sensor_msgs::PointCloud2 message = pointsMessage(cloud, kCameraFrame, 20);
+  addField(message, "rgb", 16, sensor_msgs::PointField::FLOAT32);
+  return message;
+}
+
+sensor_msgs::PointCloud2 lidarMessage(const Cloud& cloud) {
+  using sensor_msgs::PointField;
+  constexpr std::uint32_t kStep = 48, kTime = 20;
+  sensor_msgs::PointCloud2 message = pointsMessage(cloud, kLidarFrame, kStep);
+  addField(message, "intensity", 16, PointField::FLOAT32);
+  addField(message, "t", kTime, PointField::UINT32);
+  addField(message, "reflectivity", 24, PointField::UINT16);
+  addField(message, "ring", 26, PointField::UINT16);
+  addField(message, "ambient", 28, PointField::UINT16);
+  addField(message, "range", 32, PointField::UINT32);
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    if (!isMeasured(cloud.points[i])) std::memset(&message.data[i * kStep], 0, 12);
+    const auto t =
+        static_cast<std::uint32_t>(std::lround(1e9 * static_cast<double>(cloud.offsets_s[i])));
+    std::memcpy(&message.data[i * kStep + kTime], &t, sizeof t);
+    const auto ring = static_cast<std::uint16_t>(i / cloud.width);
+    std::memcpy(&message.data[i * kStep + 26], &ring, sizeof ring);
+  }
+  return message;
+}
+
+tf2_msgs::TFMessage mountMessage(const Simulator::Config& config) {
+  tf2_msgs::TFMessage message;
+  const auto add = [&](const Mount& mount, const char* frame) {
+    message.transforms.push_back(
+        transformMessage(mount.link, frame, mount.T_link_sensor, config.start));
+  };
+  if (config.has(SensorKind::kCamera)) add(config.clouds.camera_mount, kCameraFrame);
+  if (config.has(SensorKind::kLidar)) add(config.clouds.lidar_mount, kLidarFrame);
+  return message;
+}
+
 sensor_msgs::JointState jointMessage(const RobotModel& model, const RobotSample& sample) {
   sensor_msgs::JointState message;
   message.header.stamp = toRos(sample.stamp);
@@ -97,15 +181,8 @@ tf2_msgs::TFMessage transformMessage(const RobotModel& model, const RobotSample&
   for (const RobotJoint& joint : model.joints()) {
     const Pose T_parent_child =
         sample.link_poses[joint.parent].inverse() * sample.link_poses[joint.child];
-    geometry_msgs::TransformStamped transform;
-    transform.header.stamp = toRos(sample.stamp);
-    transform.header.frame_id = model.links()[joint.parent];
-    transform.child_frame_id = model.links()[joint.child];
-    transform.transform.translation.x = T_parent_child.translation().x();
-    transform.transform.translation.y = T_parent_child.translation().y();
-    transform.transform.translation.z = T_parent_child.translation().z();
-    transform.transform.rotation = toMessage(Eigen::Quaterniond(T_parent_child.linear()));
-    message.transforms.push_back(transform);
+    message.transforms.push_back(transformMessage(
+        model.links()[joint.parent], model.links()[joint.child], T_parent_child, sample.stamp));
   }
   return message;
 }

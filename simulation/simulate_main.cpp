@@ -20,6 +20,8 @@ struct Options {
   Simulator::Config simulator;
   std::string obstacle = "none";
   std::string obstacle_for = "collision";
+  std::vector<std::string> sensors = {"laser"};
+  std::string camera = "chest";
   double duration_s = 20.0;
   double stop_at_s = kNever;
   double scans_stop_at_s = kNever;
@@ -46,11 +48,20 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--duration-s", options.duration_s)->check(CLI::Range(0.1, 36000.0));
   app.add_option("--seed", s.seed);
   app.add_option("--noise-m", s.scanner.noise_m, "standard deviation of a range");
+  app.add_option("--sensors", options.sensors, "any of laser, camera, lidar")
+      ->delimiter(',')
+      ->check(CLI::IsMember(sensorNames()));
+  app.add_option("--camera", options.camera, "where the camera is")
+      ->check(CLI::IsMember(cameraPlaces()));
   app.add_option("--stop-at", options.stop_at_s, "the arm hears a stop from then on [s]");
-  app.add_option("--scans-stop-at", options.scans_stop_at_s, "no scans from then on [s]");
+  app.add_option("--scans-stop-at", options.scans_stop_at_s,
+                 "no scans and clouds from then on [s]");
   app.add_option("--joints-stop-at", options.joints_stop_at_s, "no joint states from then on [s]");
   app.add_option("--tf-stop-at", options.tf_stop_at_s, "no transforms from then on [s]");
-  app.add_option("--bag", options.bag, "bag to write: /scan, /joint_states, /tf")->required();
+  app.add_option("--bag", options.bag,
+                 "bag to write: /scan, /joint_states, /tf, and with a camera or "
+                 "lidar its clouds and /tf_static")
+      ->required();
   app.add_option("--truth", options.truth, "JSON file to write what really happened to");
   const std::map<std::string, rosbag::compression::CompressionType> compressions = {
       {"none", rosbag::compression::Uncompressed},
@@ -61,9 +72,14 @@ void declare(CLI::App& app, Options& options) {
       ->transform(CLI::CheckedTransformer(compressions));
 }
 
-/// Writes what a step brought, as recorded at its end. @return whether a scan was among it.
-bool record(const StepOutput& output, const Simulator& simulator, const Options& options,
-            rosbag::Bag& bag) {
+/// What was recorded.
+struct Counts {
+  std::size_t scans = 0, frames = 0, turns = 0;
+};
+
+/// Writes what a step brought, as recorded at its end.
+void record(const StepOutput& output, const Simulator& simulator, const Options& options,
+            rosbag::Bag& bag, Counts& counts) {
   const double elapsed_s = toSeconds(simulator.now() - options.simulator.start);
   const ros::Time now = toRos(simulator.now());
   if (output.robot && elapsed_s < options.tf_stop_at_s) {
@@ -72,11 +88,26 @@ bool record(const StepOutput& output, const Simulator& simulator, const Options&
   if (output.robot && elapsed_s < options.joints_stop_at_s) {
     bag.write("/joint_states", now, jointMessage(simulator.model(), *output.robot));
   }
-  const bool scan = output.scan && elapsed_s < options.scans_stop_at_s;
-  if (scan) {
+  if (elapsed_s >= options.scans_stop_at_s) return;
+  if (output.scan) {
     bag.write("/scan", now, toMessage(output.scan->scan, options.simulator.scanner.period_s));
+    ++counts.scans;
   }
-  return scan;
+  if (output.clouds.camera) {
+    bag.write(std::string("/") + kCameraTopic, now, cameraMessage(output.clouds.camera->cloud));
+    ++counts.frames;
+  }
+  if (output.clouds.lidar) {
+    bag.write(std::string("/") + kLidarTopic, now, lidarMessage(output.clouds.lidar->cloud));
+    ++counts.turns;
+  }
+}
+
+std::string describe(const Counts& counts) {
+  std::string text = std::to_string(counts.scans) + " scans";
+  if (counts.frames > 0) text += ", " + std::to_string(counts.frames) + " frames";
+  if (counts.turns > 0) text += ", " + std::to_string(counts.turns) + " turns";
+  return text;
 }
 
 std::string describe(const Truth& truth, Time start) {
@@ -99,11 +130,13 @@ void run(const Options& options) {
   const Time stop_at = options.stop_at_s < kNever
                            ? options.simulator.start + fromSeconds(options.stop_at_s)
                            : Time::max();
-  std::size_t scans = 0;
+  const tf2_msgs::TFMessage mounts = mountMessage(options.simulator);
+  if (!mounts.transforms.empty()) bag.write("/tf_static", toRos(options.simulator.start), mounts);
+  Counts counts;
   while (simulator.now() < end) {
     simulator.setStop(simulator.now() >= stop_at);
     const StepOutput output = simulator.step();
-    if (record(output, simulator, options, bag)) ++scans;
+    record(output, simulator, options, bag, counts);
   }
   bag.close();
   if (!options.truth.empty()) {
@@ -111,8 +144,8 @@ void run(const Options& options) {
     file << toJson(simulator.truth()).dump(1) << '\n';
     if (!file) throw std::runtime_error("cannot write " + options.truth);
   }
-  std::printf("%s: %zu scans in %.1f s; %s\n", options.bag.c_str(), scans, options.duration_s,
-              describe(simulator.truth(), options.simulator.start).c_str());
+  std::printf("%s: %s in %.1f s; %s\n", options.bag.c_str(), describe(counts).c_str(),
+              options.duration_s, describe(simulator.truth(), options.simulator.start).c_str());
 }
 
 }  // namespace
@@ -120,13 +153,16 @@ void run(const Options& options) {
 
 int main(int argc, char** argv) {
   using namespace tccm::simulation;
-  CLI::App app("Records a bag of a simulated dual-arm robot with a tilting laser.");
+  CLI::App app(
+      "Records a bag of a simulated dual-arm robot with a tilting laser, a depth camera, a lidar.");
   Options options;
   declare(app, options);
   try {
     app.parse(argc, argv);
     options.simulator.obstacle = obstacleKind(options.obstacle);
     options.simulator.purpose = obstaclePurpose(options.obstacle_for);
+    options.simulator.sensors = sensorKinds(options.sensors);
+    options.simulator.clouds.camera_mount = cameraMount(options.camera);
     run(options);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;

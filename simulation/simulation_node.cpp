@@ -4,6 +4,7 @@
 #include <std_msgs/String.h>
 
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "simulation/messages.h"
 #include "simulation/simulator.h"
@@ -25,7 +26,7 @@ class SimulationNode {
   explicit SimulationNode(const Config& config) : config_(config), simulator_(config.simulator) {
     ros::NodeHandle node;
     if (config.publish_clock) clock_ = node.advertise<rosgraph_msgs::Clock>("/clock", 10);
-    scan_ = node.advertise<sensor_msgs::LaserScan>("scan", 10);
+    advertiseSensors(node);
     joints_ = node.advertise<sensor_msgs::JointState>("joint_states", 10);
     transforms_ = node.advertise<tf2_msgs::TFMessage>("/tf", 100);
     truth_ = node.advertise<std_msgs::String>("simulation/truth", 100, true);
@@ -57,6 +58,29 @@ class SimulationNode {
   static ros::WallTime wallTime(Time time) {
     const ros::Time stamp = toRos(time);
     return {stamp.sec, stamp.nsec};
+  }
+
+  void advertiseSensors(ros::NodeHandle& node) {
+    const Simulator::Config& robot = config_.simulator;
+    if (robot.has(SensorKind::kLaser)) scan_ = node.advertise<sensor_msgs::LaserScan>("scan", 10);
+    if (robot.has(SensorKind::kCamera)) {
+      camera_ = node.advertise<sensor_msgs::PointCloud2>(kCameraTopic, 3);
+    }
+    if (robot.has(SensorKind::kLidar)) {
+      lidar_ = node.advertise<sensor_msgs::PointCloud2>(kLidarTopic, 3);
+    }
+    const tf2_msgs::TFMessage mounts = mountMessage(robot);
+    if (mounts.transforms.empty()) return;
+    mounts_ = node.advertise<tf2_msgs::TFMessage>("/tf_static", 1, true);
+    mounts_.publish(mounts);
+  }
+
+  void publishSensors(const StepOutput& output) const {
+    if (output.scan) {
+      scan_.publish(toMessage(output.scan->scan, config_.simulator.scanner.period_s));
+    }
+    if (output.clouds.camera) camera_.publish(cameraMessage(output.clouds.camera->cloud));
+    if (output.clouds.lidar) lidar_.publish(lidarMessage(output.clouds.lidar->cloud));
   }
 
   void hearStop(const std_msgs::Bool& message) {
@@ -95,8 +119,7 @@ class SimulationNode {
       joints_.publish(jointMessage(simulator_.model(), *output.robot));
       publishDistance();
     }
-    if (output.scan)
-      scan_.publish(toMessage(output.scan->scan, config_.simulator.scanner.period_s));
+    publishSensors(output);
     publishEvents();
     publishMarkers();
   }
@@ -149,6 +172,9 @@ class SimulationNode {
   Truth published_;
   ros::Publisher clock_;
   ros::Publisher scan_;
+  ros::Publisher camera_;
+  ros::Publisher lidar_;
+  ros::Publisher mounts_;
   ros::Publisher joints_;
   ros::Publisher transforms_;
   ros::Publisher truth_;
@@ -158,6 +184,14 @@ class SimulationNode {
   ros::Subscriber tilt_fault_;
 };
 
+/// At commas.
+std::vector<std::string> split(const std::string& list) {
+  std::vector<std::string> entries;
+  std::istringstream stream(list);
+  for (std::string entry; std::getline(stream, entry, ',');) entries.push_back(entry);
+  return entries;
+}
+
 SimulationNode::Config load(const ros::NodeHandle& node) {
   SimulationNode::Config config;
   Simulator::Config& s = config.simulator;
@@ -166,6 +200,10 @@ SimulationNode::Config load(const ros::NodeHandle& node) {
   std::string obstacle_for = "collision";
   std::string tilt_fault = "none";
   ScanningHead::Schedule fault;
+  std::string sensors = "laser";
+  std::string camera = "chest";
+  node.param("sensors", sensors, sensors);
+  node.param("camera", camera, camera);
   node.param("scene", s.scene, s.scene);
   node.param("motion", s.motion, s.motion);
   node.param("obstacle", obstacle, obstacle);
@@ -188,6 +226,8 @@ SimulationNode::Config load(const ros::NodeHandle& node) {
   s.seed = static_cast<std::uint64_t>(seed);
   s.obstacle = obstacleKind(obstacle);
   s.purpose = obstaclePurpose(obstacle_for);
+  s.sensors = sensorKinds(split(sensors));
+  s.clouds.camera_mount = cameraMount(camera);
   fault.fault = tiltFault(tilt_fault);
   if (fault.fault != TiltFault::kNone) s.head.faults.push_back(fault);
   if (!config.publish_clock) {

@@ -57,6 +57,8 @@ void Simulator::Config::validate() const {
   commanded.validate();
   head.validate();
   scanner.validate();
+  clouds.validate();
+  if (sensors.empty()) throw ConfigError("sensors: name one at least");
   requireInRange("appear_s", appear_s, 0.0, 1e6);
   requireInRange("appear_from_m", appear_from_m, 0.0, 1e3);
   requireInRange("appear_speed_share", appear_speed_share, 0.001, 0.99);
@@ -78,6 +80,10 @@ void Simulator::Config::validate() const {
   }
 }
 
+bool Simulator::Config::has(SensorKind kind) const {
+  return std::find(sensors.begin(), sensors.end(), kind) != sensors.end();
+}
+
 Simulator::Simulator(const Config& config)
     : config_((config.validate(), config)),
       model_(dualArm()),
@@ -88,6 +94,7 @@ Simulator::Simulator(const Config& config)
       controller_(config.controller, path_.length()),
       head_(config.head, config.start),
       scanner_(config.scanner, config.seed),
+      clouds_(config.clouds, config.sensors, *model_, config.start, config.seed),
       now_(config.start),
       scan_start_(config.start),
       hand_shapes_(handShapes(*model_)),
@@ -124,10 +131,18 @@ StepOutput Simulator::step() {
   maybeAddObstacle();
   const std::vector<double> positions = joints();
   kinematics_.update(positions, {Pose::Identity()});
-  if (now_ + kStep > scan_start_) snapshots_.push_back(snapshot());
 
   StepOutput output;
-  output.scan = maybeFinishScan();
+  if (config_.has(SensorKind::kLaser)) {
+    if (now_ + kStep > scan_start_) snapshots_.push_back(snapshot());
+    output.scan = maybeFinishScan();
+  }
+  if (clouds_.isDue(now_)) {
+    output.clouds = clouds_.step(snapshot(), kinematics_.linkPoses());
+    for (const auto* cloud : {&output.clouds.camera, &output.clouds.lidar}) {
+      if (*cloud) noteFirstBeam(**cloud);
+    }
+  }
   if ((now_ - config_.start) % kRobotPeriod == Duration::zero()) {
     output.robot = RobotSample{now_, positions, jointVelocities(), kinematics_.linkPoses()};
     recordTruth();
@@ -329,13 +344,27 @@ std::optional<SimulatedScan> Simulator::maybeFinishScan() {
 }
 
 void Simulator::noteFirstBeam(const SimulatedScan& scan) {
-  if (!first_obstacle_ || truth_.first_beam) return;
+  if (!wantsFirstBeam()) return;
   for (std::size_t i = 0; i < scan.truth.size(); ++i) {
     const BeamTruth& beam = scan.truth[i];
     if (!beam.label || *beam.label < kFirstObject + *first_obstacle_ || beam.mixed) continue;
     if (!std::isfinite(scan.scan.ranges[i])) continue;
     truth_.first_beam = scan.scan.beamTime(i);
     return;
+  }
+}
+
+void Simulator::noteFirstBeam(const SimulatedCloud& cloud) {
+  if (!wantsFirstBeam()) return;
+  const Cloud& measured = cloud.cloud;
+  for (std::size_t i = 0; i < cloud.truth.size(); ++i) {
+    const PointTruth& truth = cloud.truth[i];
+    if (!truth.found() || truth.label < kFirstObject + *first_obstacle_ || truth.mixed()) continue;
+    if (!isMeasured(measured.points[i])) continue;
+    const double offset_s =
+        measured.offsets_s.empty() ? 0.0 : static_cast<double>(measured.offsets_s[i]);
+    const Time stamp = measured.stamp + fromSeconds(offset_s);
+    if (!truth_.first_beam || stamp < *truth_.first_beam) truth_.first_beam = stamp;
   }
 }
 

@@ -9,6 +9,7 @@
 #include "simulation/arm_path.h"
 #include "simulation/body_error.h"
 #include "simulation/clearance.h"
+#include "simulation/cloud_sensors.h"
 #include "simulation/commanded_arms.h"
 #include "simulation/motion.h"
 #include "simulation/obstacle.h"
@@ -32,6 +33,7 @@ struct RobotSample {
 struct StepOutput {
   std::optional<RobotSample> robot;   ///< at 100 Hz
   std::optional<SimulatedScan> scan;  ///< once its last beam is measured
+  CloudSensors::Output clouds;
 };
 
 /// The motion of arms that do nothing but what they are commanded. They begin where "reach" does.
@@ -40,10 +42,10 @@ constexpr char kCommanded[] = "commanded";
 /// Those of motionNames() and "wander": what needs no commands.
 [[nodiscard]] std::vector<std::string> simulatedMotions();
 
-/// The dual-arm robot in a scene, its laser nodding, its arms moving, an obstacle that appears.
+/// The dual-arm robot in a scene, its sensors looking, its arms moving, an obstacle that appears.
 /// Deterministic: the same configuration and the same stops and commands give the same output. The
-/// fixed frame is base_link, on the floor. Labels in BeamTruth: up to 25 the model's shapes, from
-/// kFirstObject on the world's objects.
+/// fixed frame is base_link, on the floor. Labels in BeamTruth and PointTruth: up to 25 the model's
+/// shapes, from kFirstObject on the world's objects.
 class Simulator {
  public:
   struct Config {
@@ -55,7 +57,9 @@ class Simulator {
     PathController::Config controller;
     CommandedArms::Config commanded;  ///< of the motion kCommanded alone
     ScanningHead::Config head;
+    std::vector<SensorKind> sensors = {SensorKind::kLaser};
     Scanner::Config scanner;
+    CloudSensors::Config clouds;
     std::uint64_t seed = 1;
     ObstacleKind obstacle = ObstacleKind::kNone;
     ObstaclePurpose purpose = ObstaclePurpose::kCollision;
@@ -81,6 +85,7 @@ class Simulator {
 
     /// @throws ConfigError
     void validate() const;
+    [[nodiscard]] bool has(SensorKind kind) const;
   };
   static constexpr std::size_t kFirstObject = 1000;
 
@@ -128,6 +133,8 @@ class Simulator {
   void addObstacle(double hand_travel_m);
   [[nodiscard]] std::optional<SimulatedScan> maybeFinishScan();
   void noteFirstBeam(const SimulatedScan& scan);
+  void noteFirstBeam(const SimulatedCloud& cloud);
+  [[nodiscard]] bool wantsFirstBeam() const { return first_obstacle_ && !truth_.first_beam; }
   void recordTruth();
 
   Config config_;
@@ -140,6 +147,7 @@ class Simulator {
   std::optional<CommandedArms> commanded_;  ///< in place of path and controller
   ScanningHead head_;
   Scanner scanner_;
+  CloudSensors clouds_;
   Truth truth_;
   Time now_;
   Time scan_start_;
