@@ -7,10 +7,12 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "experiments/parallel.h"
+#include "experiments/sensor_choice.h"
 #include "monitor_config.h"
 #include "tccm_monitor/robot_model.h"
 #include "tools/program.h"
@@ -26,7 +28,15 @@ struct TrialOptions {
   std::string config;  ///< path of a YAML file with the nodelets' parameters; may be empty
   std::string out;     ///< folder
   bool no_pictures = false;
+  SensorOptions sensors;
 };
+
+/// Whether a trial's Config has a SensorChoice.
+template <typename Config, typename = void>
+struct TakesSensors : std::false_type {};
+template <typename Config>
+struct TakesSensors<Config, std::void_t<decltype(std::declval<Config>().sensors)>>
+    : std::true_type {};
 
 /// What the trials of a run have in common.
 struct TrialRun {
@@ -36,14 +46,28 @@ struct TrialRun {
   TrialOptions options;
   Progress progress;
   MonitorConfig settings;                   ///< as configured, but without what no verdict rests on
+  SensorChoice sensors;                     ///< of which the settings know
   std::shared_ptr<const RobotModel> model;  ///< what the monitor takes the robot for
 
   /// Gives the trials the monitor as configured. @throws ConfigError
   template <typename Config>
   void prepare(Config& trial) const {
-    trial.monitor = settings.monitor();
+    prepare(trial, settings);
+  }
+  /// The same with settings of one's own. @throws InputError where the trials know the laser alone,
+  /// and there are other sensors.
+  template <typename Config>
+  void prepare(Config& trial, const MonitorConfig& own) const {
+    if constexpr (TakesSensors<Config>::value) {
+      trial.sensors = sensors;
+    } else {
+      requireLaserAlone();
+    }
+    trial.monitor = own.monitor();
     trial.validate();
   }
+  /// @throws InputError
+  void requireLaserAlone() const;
   /// The seed of a trial: those of one run differ by one, those of different runs by more.
   [[nodiscard]] std::uint64_t seedOf(std::size_t trial) const;
   /// As inParallel() of parallel.h, on the threads asked for.

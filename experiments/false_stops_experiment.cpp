@@ -187,7 +187,9 @@ Findings findingsOf(const std::vector<Motion>& motions, const FalseStopsOptions&
 }
 
 Findings runFalseStops(FalseStopsOptions options, const TrialRun& run) {
-  run.prepare(options.trial);
+  run.sensors.applyTo(options.trial.simulator);
+  options.trial.monitor = run.settings.monitor();
+  options.trial.validate();
   // A contact at the present pose would hold until somebody resets.
   options.trial.monitor.checker.permission.hold_until_reset = false;
   std::vector<Motion> motions = motionsOf(options, run);

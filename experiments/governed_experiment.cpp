@@ -268,12 +268,12 @@ Findings runGoverned(GovernedOptions options, const TrialRun& run) {
     settings.checker.checker.evidence.links = hands;
     trial.links.erase(trial.links.begin(), trial.links.begin() + 2);  // elbows
   }
-  trial.monitor = settings.monitor();
   trial.oracle.angle_rad = options.look_angle_deg * kDegree;
-  trial.validate();
+  run.prepare(trial, settings);
   std::vector<GovernedTrial::Result> trials(
       static_cast<std::size_t>(std::ceil(60.0 * options.minutes / trial.duration_s)));
-  std::vector<Place> places = placesOf(options);
+  // The table is of the tilt.
+  std::vector<Place> places = run.sensors.isLaserAlone() ? placesOf(options) : std::vector<Place>();
   PlaceSpeeds::Config speeds;
   speeds.monitor = trial.monitor;
   speeds.speed_mps = trial.speed_mps;
@@ -294,7 +294,7 @@ Findings runGoverned(GovernedOptions options, const TrialRun& run) {
   });
   Findings findings(settingsOf(options), kColumns);
   add(trials, trial.distance_m, findings);
-  add(places, findings);
+  if (!places.empty()) add(places, findings);
   return findings;
 }
 

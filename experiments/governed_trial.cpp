@@ -21,6 +21,7 @@ Simulator::Config settingOf(const GovernedTrial::Config& config,
   Draw draw(seed);
   Simulator::Config simulator;
   simulator.scene = "empty";
+  config.sensors.applyTo(simulator);
   simulator.motion = config.motion;
   simulator.controller = config.controller;
   simulator.controller.speed_mps = config.speed_mps;
@@ -63,6 +64,11 @@ GovernedTrial::GovernedTrial(const Config& config, const std::shared_ptr<const R
   simulation_.obey();
   simulation_.onScan(
       [this](const SimulatedScan& scan) { oracle_.add(scan.scan, simulation_.simulator().now()); });
+  simulation_.onCloud([this](const MappedCloud& mapped) {
+    const Cloud& cloud = mapped.cloud.cloud;
+    if (config_.sensors.kinds[mapped.sensor] != SensorKind::kCamera) return;
+    oracle_.add(config_.sensors.clouds, cloud.stamp, simulation_.simulator().now());
+  });
   simulation_.onVerdict([this](const Verdict& verdict) {
     permitted_ = !verdict.stop;
     scale_ = verdict.speed_scale;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "experiments/look_oracle.h"
+#include "experiments/sensor_choice.h"
 #include "simulation/monitored_simulation.h"
 
 namespace tccm::simulation {
@@ -17,6 +18,7 @@ class GovernedTrial {
  public:
   struct Config {
     Monitor::Config monitor;
+    SensorChoice sensors;
     double distance_m = 0.15;       ///< that things appear ahead
     std::string motion = "wander";  ///< or "reach_about"
     double speed_mps = 0.4;         ///< commanded, of the faster palm

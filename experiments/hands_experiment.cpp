@@ -69,6 +69,11 @@ struct Case {
   [[nodiscard]] bool seen() const {
     return result.beam_s && (!result.contact_s || *result.beam_s < *result.contact_s);
   }
+  /// Two frames of a camera before the contact.
+  [[nodiscard]] bool seenEarly() const {
+    constexpr double kFrames = 2.0 / 30.0;  // [s]
+    return seen() && (!result.contact_s || *result.beam_s + kFrames <= *result.contact_s);
+  }
   /// Before the contact; without one, at all.
   [[nodiscard]] bool stopped() const {
     return result.stop_s && (!result.contact_s || *result.stop_s < *result.contact_s);
@@ -107,12 +112,15 @@ std::string rowOf(const Case& one) {
 
 /// Of cases that share a period, a side and a speed of the person's hand.
 struct Tally {
-  std::size_t trials = 0, seen = 0, stopped = 0, touched = 0, touched_in_motion = 0;
+  std::size_t trials = 0, seen = 0, seen_early = 0, early_unstopped = 0, stopped = 0, touched = 0,
+              touched_in_motion = 0;
   double fastest_contact_mps = 0.0;
 
   void add(const Case& one) {
     ++trials;
     seen += one.seen() ? 1 : 0;
+    seen_early += one.seenEarly() ? 1 : 0;
+    early_unstopped += one.seenEarly() && !one.stopped() ? 1 : 0;
     stopped += one.stopped() ? 1 : 0;
     touched += one.touched() ? 1 : 0;
     touched_in_motion += one.touchedInMotion() ? 1 : 0;
@@ -143,6 +151,8 @@ Findings findingsOf(const std::vector<Case>& cases, const HandsOptions& options)
                                          {"hand_mps", one.hand_mps},
                                          {"trials", tally.trials},
                                          {"seen_before_contact", tally.seen},
+                                         {"seen_two_frames_before", tally.seen_early},
+                                         {"of_these_not_stopped", tally.early_unstopped},
                                          {"stopped_before_contact", tally.stopped},
                                          {"touched", tally.touched},
                                          {"touched_in_motion", tally.touched_in_motion},

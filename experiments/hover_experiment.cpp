@@ -151,6 +151,7 @@ void add(const std::vector<GhostTrial::Result>& results, double noise_m, Finding
 Findings runHovers(HoverOptions options, const TrialRun& run) {
   MonitorConfig settings = run.settings;
   if (options.hold_s) settings.mapper.mapper.hold.longest_s = *options.hold_s;
+  run.requireLaserAlone();
   options.trial.monitor = settings.monitor();
   options.trial.validate();
   GhostTrial::Config ghost;

@@ -20,7 +20,7 @@ LookOracle::LookOracle(const Config& config, std::shared_ptr<const RobotModel> m
 
 void LookOracle::add(const RobotSample& sample) {
   T_fixed_sensor_.add(sample.stamp, sample.link_poses[sensor_]);
-  Frame frame{sample.stamp, {}};
+  Frame frame{sample.stamp, {}, sample.link_poses};
   for (const LinkShape& shape : model_->shapes()) {
     frame.body.shapes.push_back(shape.shape);
     frame.body.poses.push_back(sample.link_poses[shape.link] * shape.T_link_shape);
@@ -33,7 +33,48 @@ void LookOracle::add(const LaserScan& scan, Time mapped) {
                     scan.ranges.size(), mapped});
 }
 
+void LookOracle::add(const CloudSensors::Config& camera, Time stamp, Time mapped) {
+  camera_ = camera.camera;
+  const std::size_t link = linkIndex(*model_, camera.camera_mount.link);
+  PosePath T_fixed_camera;
+  const std::size_t recent = frames_.size() - std::min<std::size_t>(frames_.size(), 20);
+  for (std::size_t i = recent; i < frames_.size(); ++i) {
+    T_fixed_camera.add(frames_[i].stamp,
+                       frames_[i].link_poses[link] * camera.camera_mount.T_link_sensor);
+  }
+  const std::optional<Pose> pose = T_fixed_camera.at(stamp);
+  if (pose) pictures_.push_back({stamp, mapped, *pose});
+}
+
 std::optional<LookOracle::Look> LookOracle::firstLook(Time after, const Vector3& p_fixed) const {
+  const std::optional<Look> scan = firstScan(after, p_fixed);
+  const std::optional<Look> picture = firstPicture(after, p_fixed);
+  if (!scan || !picture) return scan ? scan : picture;
+  return picture->mapped < scan->mapped ? picture : scan;
+}
+
+std::optional<LookOracle::Look> LookOracle::firstPicture(Time after, const Vector3& p_fixed) const {
+  auto picture = std::partition_point(pictures_.begin(), pictures_.end(),
+                                      [after](const Picture& p) { return p.stamp <= after; });
+  for (; picture != pictures_.end(); ++picture) {
+    if (shows(*picture, p_fixed)) return Look{picture->stamp, picture->mapped};
+  }
+  return std::nullopt;
+}
+
+bool LookOracle::shows(const Picture& picture, const Vector3& p_fixed) const {
+  const Vector3 p_camera = picture.T_fixed_camera.inverse() * p_fixed;
+  if (p_camera.z() < camera_.depth_min_m || p_camera.z() > camera_.depth_max_m) return false;
+  const Pinhole& pinhole = camera_.pinhole;
+  const double right = pinhole.focal_px * std::abs(p_camera.x()) / p_camera.z();
+  const double down = pinhole.focal_px * std::abs(p_camera.y()) / p_camera.z();
+  if (right > pinhole.centreColumn() || down > pinhole.centreRow()) return false;
+  const Vector3 way = p_fixed - picture.T_fixed_camera.translation();
+  return !robotStops(picture.stamp, {picture.T_fixed_camera.translation(), way.normalized()},
+                     way.norm());
+}
+
+std::optional<LookOracle::Look> LookOracle::firstScan(Time after, const Vector3& p_fixed) const {
   const auto lastBeam = [](const Scan& scan) {
     return scan.stamp + static_cast<Duration::rep>(scan.beams - 1) * scan.time_increment;
   };

@@ -31,6 +31,9 @@ class LookOracle {
   /// their order.
   void add(const LaserScan& scan, Time mapped);
 
+  /// A camera's frame. @param stamp not later than the newest robot sample.
+  void add(const CloudSensors::Config& camera, Time stamp, Time mapped);
+
   struct Look {
     Time beam;    ///< when it was measured
     Time mapped;  ///< when its scan was in the map
@@ -56,7 +59,16 @@ class LookOracle {
   struct Frame {
     Time stamp;
     Body body;
+    std::vector<Pose> link_poses;
   };
+  struct Picture {
+    Time stamp;
+    Time mapped;
+    Pose T_fixed_camera;
+  };
+  [[nodiscard]] std::optional<Look> firstScan(Time after, const Vector3& p_fixed) const;
+  [[nodiscard]] std::optional<Look> firstPicture(Time after, const Vector3& p_fixed) const;
+  [[nodiscard]] bool shows(const Picture& picture, const Vector3& p_fixed) const;
   [[nodiscard]] std::optional<Time> beamOf(const Scan& scan, Time after,
                                            const Vector3& p_fixed) const;
   [[nodiscard]] std::optional<double> azimuthAt(Time stamp, const Vector3& p_fixed) const;
@@ -71,6 +83,8 @@ class LookOracle {
   PosePath T_fixed_sensor_;
   std::vector<Scan> scans_;
   std::vector<Frame> frames_;
+  DepthCamera::Config camera_;
+  std::vector<Picture> pictures_;
 };
 
 }  // namespace tccm::simulation

@@ -1,5 +1,6 @@
 #include "experiments/self_filter_trial.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <random>
@@ -26,6 +27,7 @@ Json toJson(const BeamFates& fates) {
           {"removed_as_mixed_pixel", of(BeamKind::kMixedPixel)},
           {"removed_as_self", of(BeamKind::kSelf)},
           {"removed_as_shadow", of(BeamKind::kShadow)},
+          {"removed_of_clouds", of(BeamKind::kUnknown)},
           {"mapped", fates.mapped()},
           {"kept_out_of_area", fates.keptAnywhere() - fates.mapped()}};
 }
@@ -69,11 +71,13 @@ SelfFilterTrial::SelfFilterTrial(const Config& config, std::shared_ptr<const Rob
     : config_((config.validate(), config)),
       simulation_(config.simulator, config.monitor, std::move(model)),
       grid_(config.monitor.sensors.front().mapper.map.grid),
+      ledgers_(config.simulator.sensors.size()),
       random_(config.simulator.seed),
       next_pause_change_(config.pause_every_s > 0.0 && !config.obeys ? now() : Time::max()) {
   if (config.obeys) simulation_.obey();
   simulation_.stampJointsLate(config.joints_late_s);
   simulation_.onScan([this](const SimulatedScan& scan) { countBeams(scan); });
+  simulation_.onCloud([this](const MappedCloud& cloud) { countPoints(cloud); });
   simulation_.onVerdict([this](const Verdict& verdict) { countCheck(verdict); });
 }
 
@@ -99,19 +103,41 @@ void SelfFilterTrial::decidePause() {
 
 void SelfFilterTrial::countBeams(const SimulatedScan& scan) {
   ++tally_.scans;
+  const std::vector<SensorKind>& sensors = config_.simulator.sensors;
+  const auto laser = static_cast<std::size_t>(
+      std::find(sensors.begin(), sensors.end(), SensorKind::kLaser) - sensors.begin());
+  const Monitor& monitor = simulation_.monitor();
   std::vector<PointLedger::Entry> entries;
   for (std::size_t i = 0; i < scan.truth.size(); ++i) {
-    const Beam& beam = simulation_.monitor().assembled().beams[i];
+    const Beam& beam = monitor.assembled(laser).beams[i];
     if (!measured(scan.truth[i], beam)) continue;
-    const BeamSource source = sourceOf(scan.truth[i]);
-    BeamFates& fates = tally_.fates[static_cast<std::size_t>(source)];
-    ++fates.anywhere[BeamFates::index(beam.kind)];
-    const std::optional<Grid::Place> place = grid_.place(beam.p_fixed);
-    if (!place) continue;
-    ++fates.in_area[BeamFates::index(beam.kind)];
-    if (beam.kind == BeamKind::kReturn) entries.push_back({place->cell, place->height, source});
+    count(sourceOf(scan.truth[i]), beam.kind, beam.p_fixed, entries);
   }
-  ledger_.add(std::move(entries), simulation_.monitor().map()->window_scans);
+  ledgers_[laser].add(std::move(entries), monitor.map(laser)->window_scans);
+}
+
+/// What filtered a point out is not told: those are counted as kUnknown.
+void SelfFilterTrial::countPoints(const MappedCloud& mapped) {
+  ++tally_.scans;
+  const Cloud& cloud = mapped.cloud.cloud;
+  std::vector<PointLedger::Entry> entries;
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    if (!isMeasured(cloud.points[i])) continue;
+    count(sourceOf(mapped.cloud.truth[i].beam()),
+          mapped.kept[i] != 0 ? BeamKind::kReturn : BeamKind::kUnknown, mapped.p_fixed[i], entries);
+  }
+  ledgers_[mapped.sensor].add(std::move(entries),
+                              simulation_.monitor().map(mapped.sensor)->window_scans);
+}
+
+void SelfFilterTrial::count(BeamSource source, BeamKind kind, const Vector3& p_fixed,
+                            std::vector<PointLedger::Entry>& entries) {
+  BeamFates& fates = tally_.fates[static_cast<std::size_t>(source)];
+  ++fates.anywhere[BeamFates::index(kind)];
+  const std::optional<Grid::Place> place = grid_.place(p_fixed);
+  if (!place) return;
+  ++fates.in_area[BeamFates::index(kind)];
+  if (kind == BeamKind::kReturn) entries.push_back({place->cell, place->height, source});
 }
 
 void SelfFilterTrial::countCheck(const Verdict& verdict) {
@@ -128,12 +154,14 @@ SourceCounts SelfFilterTrial::supportersOf(const Verdict& verdict) {
   }
   if (verdict.first_contact) cuboids.insert(verdict.first_contact->contact.cuboid);
   const Monitor& monitor = simulation_.monitor();
-  const CuboidMap& map = *monitor.map();
+  const CuboidMap& map = *monitor.checker().map();
   const double height_m = monitor.checker().config().pose.collision.support_height_m;
   SourceCounts sum{};
   for (const std::uint32_t cuboid : cuboids) {
-    const SourceCounts counts = ledger_.around(map, map.cuboids[cuboid], height_m);
-    for (std::size_t i = 0; i < counts.size(); ++i) sum[i] += counts[i];
+    for (const PointLedger& ledger : ledgers_) {
+      const SourceCounts counts = ledger.around(map, map.cuboids[cuboid], height_m);
+      for (std::size_t i = 0; i < counts.size(); ++i) sum[i] += counts[i];
+    }
   }
   return sum;
 }

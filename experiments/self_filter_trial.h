@@ -90,6 +90,9 @@ class SelfFilterTrial {
  private:
   void decidePause();
   void countBeams(const SimulatedScan& scan);
+  void countPoints(const MappedCloud& cloud);
+  void count(BeamSource source, BeamKind kind, const Vector3& p_fixed,
+             std::vector<PointLedger::Entry>& entries);
   void countCheck(const Verdict& verdict);
   void noteContacts(const Verdict& verdict);
   void notePermission(const Verdict& verdict);
@@ -100,7 +103,7 @@ class SelfFilterTrial {
   Config config_;
   MonitoredSimulation simulation_;
   Grid grid_;
-  PointLedger ledger_;
+  std::vector<PointLedger> ledgers_;  ///< of each sensor
   std::mt19937_64 random_;
   Time next_pause_change_;
   bool paused_ = false;

@@ -5,6 +5,7 @@
 
 #include "experiments/options.h"
 #include "experiments/self_filter_trial.h"
+#include "experiments/sensor_choice.h"
 #include "experiments/simulated_settings.h"
 #include "simulation/robot/dual_arm.h"
 #include "tools/program.h"
@@ -14,6 +15,7 @@ namespace {
 
 struct Options {
   SelfFilterTrial::Config trial;
+  SensorOptions sensors;
   SelfFilterLimits limits;
   double minutes = 10.0;
   std::string body_error = "thicker";
@@ -46,6 +48,7 @@ void declare(CLI::App& app, Options& options) {
                  "how far the true body differs from what the monitor takes it for");
   app.add_option("--body-error", options.body_error, "how the true body differs")
       ->check(CLI::IsMember({"thicker", "thinner", "displaced"}));
+  options.sensors.declare(app);
   app.add_option("--seed", simulator.seed);
   app.add_option("--config", options.config,
                  "YAML with the nodelets' parameters, as config/simulation.yaml; without it the "
@@ -105,7 +108,10 @@ void print(const SelfFilterTally& tally, const std::vector<std::string>& missed)
 }
 
 int run(Options& options) {
-  const MonitorConfig settings = simulatedSettings(options.config);
+  MonitorConfig settings = simulatedSettings(options.config);
+  const SensorChoice sensors = options.sensors.choice();
+  sensors.applyTo(settings);
+  sensors.applyTo(options.trial.simulator);
   options.trial.monitor = settings.monitor();
   options.trial.duration_s = 60.0 * options.minutes;
   options.trial.simulator.body_error.kind = bodyErrorKind(options.body_error);

@@ -272,8 +272,8 @@ Findings runStopping(StoppingOptions options, const TrialRun& run) {
   }
   MonitorConfig settings = run.settings;
   if (options.appear_distance_m > 0.0) govern(settings, options);
-  options.trial.monitor = settings.monitor();
-  options.trial.validate();
+  if (options.through_nodelets) run.requireLaserAlone();
+  run.prepare(options.trial, settings);
   std::vector<Case> cases(options.trials);
   std::optional<NodeletGuardian> nodelets;
   if (options.through_nodelets) nodelets.emplace(options.trial.start);

@@ -88,6 +88,7 @@ StoppingTrial::StoppingTrial(const Config& config, std::shared_ptr<const RobotMo
     simulation_.obey(obedience);
   }
   simulation_.onScan([this](const SimulatedScan& scan) { noteScan(scan); });
+  simulation_.onCloud([this](const MappedCloud& cloud) { noteCloud(cloud); });
   simulation_.onPermission(
       [this](bool permitted, const std::string& reason) { notePermission(permitted, reason); });
 }
@@ -100,6 +101,7 @@ Simulator::Config StoppingTrial::simulatorConfig(std::uint64_t seed) {
   config.objects = bareTable();
   config.path = path_;
   config.controller = config_.controller;
+  config_.sensors.applyTo(config);
   config.scanner = config_.scanner;
   config.head.tilt.period_s = config_.tilt_period_s;
   config.head.tilt.phase_rad = draw.between(0.0, 2.0 * M_PI);
@@ -225,9 +227,20 @@ void StoppingTrial::noteProcessing() {
 void StoppingTrial::noteScan(const SimulatedScan& scan) {
   ++scans_;
   if (!appeared_) return;
+  noteFirstBeam();
+  if (!support_) noteEvidence(scan);
+}
+
+void StoppingTrial::noteCloud(const MappedCloud& cloud) {
+  ++scans_;
+  if (!appeared_) return;
+  noteFirstBeam();
+  if (!support_) noteEvidence(cloud);
+}
+
+void StoppingTrial::noteFirstBeam() {
   const auto& beam = simulation_.simulator().truth().first_beam;
   if (beam) result_.beam_s = sinceAppeared(*beam);
-  if (!support_) noteEvidence(scan);
 }
 
 bool StoppingTrial::showsObstacle(const BeamTruth& beam) const {
@@ -235,7 +248,8 @@ bool StoppingTrial::showsObstacle(const BeamTruth& beam) const {
 }
 
 void StoppingTrial::noteEvidence(const SimulatedScan& scan) {
-  const AssembledScan& assembled = simulation_.monitor().assembled();
+  const AssembledScan& assembled =
+      simulation_.monitor().assembled(*config_.sensors.indexOf(SensorKind::kLaser));
   for (std::size_t i = 0; i < assembled.beams.size(); ++i) {
     const Beam& beam = assembled.beams[i];
     if (!showsObstacle(scan.truth[i]) || !beam.measured()) continue;
@@ -249,9 +263,40 @@ void StoppingTrial::noteEvidence(const SimulatedScan& scan) {
   }
   const bool supported = std::any_of(evidence_.begin(), evidence_.end(),
                                      [this](const Evidence& e) { return hasSupport(e); });
-  if (!supported) return;
+  if (supported) noteSupport();
+}
+
+/// A camera gives thousands of points on a place: the first that is supported is enough.
+void StoppingTrial::noteEvidence(const MappedCloud& mapped) {
+  const Cloud& cloud = mapped.cloud.cloud;
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    const PointTruth& truth = mapped.cloud.truth[i];
+    if (!truth.found() || truth.label < Simulator::kFirstObject) continue;
+    if (!showsObstacle(truth.beam()) || !isMeasured(cloud.points[i])) continue;
+    const auto place = grid_.place(mapped.p_fixed[i]);
+    if (!place || !isInTheWayAsBefore(*place)) continue;
+    if (!way_beam_) {
+      way_beam_ = judgedNow();
+      const double offset_s =
+          cloud.offsets_s.empty() ? 0.0 : static_cast<double>(cloud.offsets_s[i]);
+      result_.way_beam_s = sinceAppeared(cloud.stamp + fromSeconds(offset_s));
+    }
+    if (mapped.kept[i] == 0) continue;
+    evidence_.push_back({*place, scans_});
+    if (hasSupport(evidence_.back())) return noteSupport();
+  }
+}
+
+void StoppingTrial::noteSupport() {
   support_ = judgedNow();
   result_.support_s = sinceAppeared(support_->stamp);
+}
+
+/// Neighbouring points share a place.
+bool StoppingTrial::isInTheWayAsBefore(const Grid::Place& place) {
+  const auto [found, is_new] = in_the_way_.try_emplace({place.cell, place.height}, false);
+  if (is_new) found->second = isInTheWay(place);
+  return found->second;
 }
 
 void StoppingTrial::notePermission(bool permitted, const std::string& reason) {

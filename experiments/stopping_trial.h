@@ -2,13 +2,16 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "experiments/outcome.h"
 #include "experiments/robot_part.h"
+#include "experiments/sensor_choice.h"
 #include "simulation/monitored_simulation.h"
 #include "tccm_monitor/cuboid_map.h"
 
@@ -21,6 +24,7 @@ class StoppingTrial {
   struct Config {
     Monitor::Config monitor;
     PathController::Config controller;  ///< speed included
+    SensorChoice sensors;
     Scanner::Config scanner;
     double tilt_period_s = 1.575;
     ObstacleKind obstacle = ObstacleKind::kPole;
@@ -102,11 +106,16 @@ class StoppingTrial {
   void findContact(double from_m);
   void noteProcessing();
   void noteScan(const SimulatedScan& scan);
+  void noteCloud(const MappedCloud& cloud);
+  void noteFirstBeam();
   void noteEvidence(const SimulatedScan& scan);
+  void noteEvidence(const MappedCloud& cloud);
+  void noteSupport();
   [[nodiscard]] bool showsObstacle(const BeamTruth& beam) const;
   void notePermission(bool permitted, const std::string& reason);
   [[nodiscard]] Body armAt(double way_m);
   [[nodiscard]] bool isInTheWay(const Grid::Place& place) const;
+  [[nodiscard]] bool isInTheWayAsBefore(const Grid::Place& place);
   [[nodiscard]] bool hasSupport(const Evidence& evidence) const;
   [[nodiscard]] Judged judgedNow() const;
   [[nodiscard]] double sinceAppeared(Time stamp) const { return toSeconds(stamp - *appeared_); }
@@ -132,6 +141,7 @@ class StoppingTrial {
   std::vector<Body> ahead_;         ///< the arm along its path up to there, padded
   double contact_m_ = 0.0;          ///< along the path: there it would touch the obstacle
   std::vector<Evidence> evidence_;
+  std::map<std::pair<CellIndex, Height>, bool> in_the_way_;  ///< by what was asked for
   int scans_ = 0;
   int timed_scans_ = 0;
   std::optional<Judged> way_beam_, support_, due_;

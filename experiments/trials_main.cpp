@@ -29,6 +29,7 @@ void declare(CLI::App& app, TrialOptions& options) {
   app.add_option("--jobs", options.jobs, "threads")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
+  options.sensors.declare(app);
   app.add_flag("--no-pictures", options.no_pictures, "no PNG files");
   app.add_option("--config", options.config,
                  "YAML with the nodelets' parameters, as config/simulation.yaml; without it the "
@@ -39,6 +40,11 @@ void write(const TrialOptions& options, const std::string& experiment, const Fin
   const std::filesystem::path folder(options.out);
   nlohmann::ordered_json results = {{"experiment", experiment}, {"seed", options.seed}};
   results["settings"] = findings.settings;
+  if (!options.sensors.choice().isLaserAlone()) {
+    results["sensors"] = options.sensors.sensors;
+    results["camera"] = options.sensors.camera;
+    results["camera_width"] = options.sensors.camera_width;
+  }
   results["figures"] = findings.figures;
   results["limits_missed"] = findings.missed;
   writeText((folder / "results.json").string(), results.dump(2) + '\n');

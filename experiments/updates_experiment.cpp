@@ -231,6 +231,7 @@ void compare(const Sweep& sweep, const IntegrationMap::Config& config,
 }
 
 Findings runUpdates(UpdatesOptions options, const TrialRun& run) {
+  run.requireLaserAlone();
   Findings findings(
       {{"windows", options.windows}, {"steps", options.steps}, {"additions", options.additions}},
       "scene,cuboids,held,returns,bytes");

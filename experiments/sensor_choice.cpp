@@ -1,0 +1,92 @@
+#include "experiments/sensor_choice.h"
+
+#include <algorithm>
+
+#include "tccm_monitor/config_error.h"
+
+namespace tccm::simulation {
+namespace {
+
+/// As docs/sensors.md has it.
+void setUp(SensorKind kind, const CloudSensors::Config& clouds, SensorConfig& sensor) {
+  constexpr double kCameraWindow = 0.3, kLidarWindow = 0.5;  // [s]
+  constexpr double kLidarBlock = 0.035;                      // [rad]
+  if (kind == SensorKind::kLaser) return;
+  CloudStage::Config& cloud = sensor.cloud_assembler.emplace().cloud;
+  Mapper::Config& mapper = sensor.mapper.mapper;
+  mapper.window_s = kind == SensorKind::kCamera ? kCameraWindow : kLidarWindow;
+  mapper.looks.pass_gap_s = 0.001;
+  const std::size_t points = kind == SensorKind::kCamera
+                                 ? clouds.camera.pinhole.width * clouds.camera.pinhole.height
+                                 : clouds.lidar.rows * clouds.lidar.columns;
+  const double period_s =
+      kind == SensorKind::kCamera ? clouds.camera.period_s : clouds.lidar.period_s;
+  mapper.map.returns_max = points * (2 + static_cast<std::size_t>(mapper.window_s / period_s));
+  if (kind == SensorKind::kCamera) return;
+  cloud.noise = {clouds.lidar.noise_m, 0.0};
+  cloud.looks.block_rad = kLidarBlock;
+}
+
+}  // namespace
+
+bool SensorChoice::isLaserAlone() const {
+  return kinds == std::vector<SensorKind>{SensorKind::kLaser};
+}
+
+std::optional<std::size_t> SensorChoice::indexOf(SensorKind kind) const {
+  const auto found = std::find(kinds.begin(), kinds.end(), kind);
+  if (found == kinds.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - kinds.begin());
+}
+
+void SensorChoice::applyTo(Simulator::Config& simulator) const {
+  simulator.sensors = kinds;
+  simulator.clouds = clouds;
+}
+
+void SensorChoice::applyTo(MonitorConfig& settings) const {
+  std::vector<std::string> names, named;
+  for (const SensorKind kind : kinds) names.push_back(name(kind));
+  for (const SensorConfig& sensor : settings.named_sensors) named.push_back(sensor.name);
+  if (isLaserAlone() && named.empty()) return;
+  if (!named.empty()) {
+    if (named == names) return;
+    throw ConfigError(
+        "sensors: the configuration names others than --sensors, or in another order");
+  }
+  for (const SensorKind kind : kinds) {
+    SensorConfig sensor{name(kind), "", settings.assembler, std::nullopt, settings.mapper};
+    setUp(kind, clouds, sensor);
+    settings.named_sensors.push_back(sensor);
+    settings.checker.checker.inputs.sensors.push_back({sensor.name, true});
+  }
+}
+
+void SensorOptions::declare(CLI::App& app) {
+  app.add_option("--sensors", sensors, "any of laser, camera, lidar")
+      ->delimiter(',')
+      ->check(CLI::IsMember(sensorNames()))
+      ->capture_default_str();
+  app.add_option("--camera", camera, "where the camera is")
+      ->check(CLI::IsMember(cameraPlaces()))
+      ->capture_default_str();
+  app.add_option("--camera-width", camera_width,
+                 "of its picture, at the same field of view; fewer pixels take less time")
+      ->check(CLI::Range(64, 1280))
+      ->capture_default_str();
+}
+
+SensorChoice SensorOptions::choice() const {
+  SensorChoice choice;
+  choice.kinds = sensorKinds(sensors);
+  choice.clouds.camera_mount = cameraMount(camera);
+  Pinhole& pinhole = choice.clouds.camera.pinhole;
+  const Pinhole whole;
+  pinhole.width = camera_width;
+  pinhole.height = camera_width * whole.height / whole.width;
+  pinhole.focal_px =
+      whole.focal_px * static_cast<double>(camera_width) / static_cast<double>(whole.width);
+  return choice;
+}
+
+}  // namespace tccm::simulation
