@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "experiments/parallel.h"
-#include "experiments/sensor_choice.h"
+#include "experiments/sensor_options.h"
 #include "monitor_config.h"
 #include "tccm_monitor/robot_model.h"
 #include "tools/program.h"

@@ -5,7 +5,7 @@
 
 #include "experiments/options.h"
 #include "experiments/self_filter_trial.h"
-#include "experiments/sensor_choice.h"
+#include "experiments/sensor_options.h"
 #include "experiments/simulated_settings.h"
 #include "simulation/robot/dual_arm.h"
 #include "tools/program.h"

@@ -62,31 +62,4 @@ void SensorChoice::applyTo(MonitorConfig& settings) const {
   }
 }
 
-void SensorOptions::declare(CLI::App& app) {
-  app.add_option("--sensors", sensors, "any of laser, camera, lidar")
-      ->delimiter(',')
-      ->check(CLI::IsMember(sensorNames()))
-      ->capture_default_str();
-  app.add_option("--camera", camera, "where the camera is")
-      ->check(CLI::IsMember(cameraPlaces()))
-      ->capture_default_str();
-  app.add_option("--camera-width", camera_width,
-                 "of its picture, at the same field of view; fewer pixels take less time")
-      ->check(CLI::Range(64, 1280))
-      ->capture_default_str();
-}
-
-SensorChoice SensorOptions::choice() const {
-  SensorChoice choice;
-  choice.kinds = sensorKinds(sensors);
-  choice.clouds.camera_mount = cameraMount(camera);
-  Pinhole& pinhole = choice.clouds.camera.pinhole;
-  const Pinhole whole;
-  pinhole.width = camera_width;
-  pinhole.height = camera_width * whole.height / whole.width;
-  pinhole.focal_px =
-      whole.focal_px * static_cast<double>(camera_width) / static_cast<double>(whole.width);
-  return choice;
-}
-
 }  // namespace tccm::simulation

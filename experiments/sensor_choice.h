@@ -1,9 +1,7 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstddef>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "monitor_config.h"
@@ -24,17 +22,6 @@ struct SensorChoice {
   /// alone changes nothing. A configuration that names sensors is kept.
   /// @throws ConfigError where it names others, or in another order.
   void applyTo(MonitorConfig& settings) const;
-};
-
-/// The same as asked for on a command line.
-struct SensorOptions {
-  std::vector<std::string> sensors = {"laser"};
-  std::string camera = "side";
-  std::size_t camera_width = 640;
-
-  void declare(CLI::App& app);
-  /// @throws ConfigError
-  [[nodiscard]] SensorChoice choice() const;
 };
 
 }  // namespace tccm::simulation

@@ -13,9 +13,9 @@ namespace {
 constexpr About kAbout = {
     "small-objects", "a small box anywhere near: is it found within one tilt?",
     R"(A small box appears in the air, at each place of an even grid in turn that the tilting
-laser can see, at a phase and an angle of its own. It is found when a link of its size and
-place would be in contact.
-Limit: all are found within one tilt.)"};
+laser can see, or the camera that is in its place, at a phase and an angle of its own. It is
+found when a link of its size and place would be in contact.
+Limit: all are found within one tilt, or one frame of the camera.)"};
 
 struct SmallObjectOptions {
   SmallObjectTrial::Config trial;
@@ -26,7 +26,7 @@ struct SmallObjectOptions {
 
 void declare(CLI::App& command, SmallObjectOptions& options) {
   command.add_option("--size-m", options.trial.size_m, "edge of the box");
-  command.add_option("--within-m", options.within_m, "of the laser");
+  command.add_option("--within-m", options.within_m, "of the laser or camera");
   command.add_option("--step-m", options.step_m, "between places");
   command.add_option("--phases", options.phases, "trials at each place")
       ->check(CLI::Range(1, 1000));
@@ -56,12 +56,12 @@ Findings findingsOf(const std::vector<SmallObjectTrial::Result>& trials,
                     const SmallObjectOptions& options) {
   Findings findings(settingsOf(options), kColumns);
   const SmallObjectTrial::Config& trial = options.trial;
-  const double tilt_s = trial.tilt.period_s + trial.scanner.period_s;
+  const double limit_s = trial.limit();
   std::size_t found = 0;
   double latest_s = 0.0, slowest_s = 0.0;
   for (const SmallObjectTrial::Result& result : trials) {
     findings.add(rowOf(result), result.simulated_s);
-    if (!result.found_s || *result.found_s > tilt_s) continue;
+    if (!result.found_s || *result.found_s > limit_s) continue;
     ++found;
     latest_s = std::max(latest_s, *result.found_s);
     slowest_s = std::max(slowest_s, *result.found_s - *result.beam_s);
@@ -71,10 +71,11 @@ Findings findingsOf(const std::vector<SmallObjectTrial::Result>& trials,
                       {"found", found},
                       {"latest_s", latest_s},
                       {"slowest_after_beam_s", slowest_s}};
-  findings.lines.push_back(formatted(
-      "found          %zu of %zu within one tilt, at %zu places; at the latest after "
-      "%.0f ms, %.0f ms after the first beam",
-      found, trials.size(), trials.size() / options.phases, 1e3 * latest_s, 1e3 * slowest_s));
+  findings.lines.push_back(
+      formatted("found          %zu of %zu within one %s, at %zu places; at the latest after "
+                "%.0f ms, %.0f ms after the first beam",
+                found, trials.size(), trial.ofCamera() ? "frame" : "tilt",
+                trials.size() / options.phases, 1e3 * latest_s, 1e3 * slowest_s));
   if (found < trials.size()) findings.missed.emplace_back("found");
   return findings;
 }
@@ -83,7 +84,7 @@ Findings runSmallObjects(SmallObjectOptions options, const TrialRun& run) {
   run.prepare(options.trial);
   const std::vector<Vector3> places =
       smallObjectPlaces(options.trial, run.model, options.within_m, options.step_m);
-  if (places.empty()) throw ConfigError("within_m, step_m: the laser sees no place of the grid");
+  if (places.empty()) throw ConfigError("within_m, step_m: the sensor sees no place of the grid");
   const std::size_t count = options.phases * places.size();
   const auto trials = run.results(count, [&](std::size_t i, std::uint64_t seed) {
     return SmallObjectTrial(options.trial, run.model, places[i / options.phases], seed).run();

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "experiments/sensor_choice.h"
 #include "simulation/monitored_simulation.h"
 
 namespace tccm::simulation {
@@ -15,6 +16,7 @@ class SmallObjectTrial {
  public:
   struct Config {
     Monitor::Config monitor;
+    SensorChoice sensors;  ///< the laser alone, or a camera alone
     Scanner::Config scanner;
     TiltMotion tilt;        ///< its phase is drawn
     double size_m = 0.05;   ///< edge of the box
@@ -22,14 +24,19 @@ class SmallObjectTrial {
 
     /// @throws ConfigError
     void validate() const;
+    [[nodiscard]] bool ofCamera() const { return !sensors.isLaserAlone(); }
+    /// Within which it has to be found: one tilt, and the scan that ends it, or one frame, and the
+    /// millisecond that it may begin late [s].
+    [[nodiscard]] double limit() const;
   };
   struct Result {
     std::uint64_t seed = 0;
     Vector3 place = Vector3::Zero();  ///< of the box's middle [m]
     double yaw_rad = 0.0;
-    double tilt_phase = 0.0;        ///< when it appears, 0..1
-    std::optional<double> beam_s;   ///< after it appeared: the first beam that ended on it
-    std::optional<double> found_s;  ///< and the last beam of the scan with which it is in contact
+    double tilt_phase = 0.0;       ///< when it appears, 0..1
+    std::optional<double> beam_s;  ///< after it appeared: the first beam that ended on it
+    /// And the last beam of the scan, or the frame, with which it is in contact.
+    std::optional<double> found_s;
     double simulated_s = 0.0;
   };
 
@@ -37,12 +44,15 @@ class SmallObjectTrial {
   SmallObjectTrial(const Config& config, std::shared_ptr<const RobotModel> model,
                    const Vector3& place, std::uint64_t seed);
 
-  /// For one tilt, and the scan that ends it. The same for the same seed.
+  /// For one tilt, and the scan that ends it, or some frames. The same for the same seed.
   [[nodiscard]] Result run();
 
  private:
   [[nodiscard]] Simulator::Config settingFor(const Vector3& place, std::uint64_t seed);
   void noteScan(const SimulatedScan& scan);
+  void noteFrame(const MappedCloud& frame);
+  [[nodiscard]] std::size_t label() const;
+  void lookForContact(Time seen);
 
   Config config_;
   Result result_;
@@ -52,9 +62,10 @@ class SmallObjectTrial {
   MonitoredSimulation simulation_;
 };
 
-/// The places of an even grid where such a box can be seen: not further from the laser than
-/// within_m, in the map's area, in the tilt's range with all of it, before nothing of the robot,
-/// and clear of it. By rays on the described shapes, apart from the map and its looks.
+/// The places of an even grid where such a box can be seen: not further from the laser, or the
+/// camera, than within_m, in the map's area, in the tilt's range or the picture with all of it,
+/// before nothing of the robot, and clear of it. By rays on the described shapes, apart from the
+/// map and its looks.
 [[nodiscard]] std::vector<Vector3> smallObjectPlaces(const SmallObjectTrial::Config& config,
                                                      const std::shared_ptr<const RobotModel>& model,
                                                      double within_m, double step_m);

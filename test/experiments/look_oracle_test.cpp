@@ -89,5 +89,19 @@ TEST_F(LookOracleTest, AfterTheLastBeamThereIsNoLook) {
   EXPECT_EQ(firstLook(10.1, ahead(TiltMotion().mean_rad)), -1.0);
 }
 
+TEST_F(LookOracleTest, ACamerasFrameLooksAtWhatIsInItsPicture) {
+  CloudSensors::Config camera;
+  camera.camera_mount = {"base_link", Pose(Eigen::Translation3d(0.5, -1.0, 1.0))};
+  camera.camera_mount.T_link_sensor.linear() << 1, 0, 0, 0, 0, 1, 0, -1, 0;  // it looks along y
+  const Vector3 seen(0.8, -0.3, 1.25), aside(1.4, -0.4, 1.0), near(0.5, -0.8, 1.0);
+  const Time frame = start_ + fromSeconds(4.0);
+  oracle_.add(camera, frame, frame + fromSeconds(0.01));
+  EXPECT_EQ(firstLook(3.99, seen), 4.0);
+  EXPECT_NE(firstLook(4.0, seen), 4.0);
+  EXPECT_NE(firstLook(3.99, aside), 4.0);
+  EXPECT_NE(firstLook(3.99, near), 4.0);
+  EXPECT_NE(firstLook(3.99, Vector3(-0.5, 1.0, 1.0)), 4.0);  // behind the chest
+}
+
 }  // namespace
 }  // namespace tccm::simulation

@@ -99,5 +99,66 @@ TEST(MonitoredSimulationTest, ARobotThatDoesNotObeyRunsIntoIt) {
   EXPECT_LT(*simulation.simulator().truth().obstacle_min_m, 0.006);
 }
 
+/// A monitor of a camera alone, at a small picture.
+std::pair<Simulator::Config, Monitor::Config> withCamera() {
+  Simulator::Config simulator;
+  simulator.sensors = {SensorKind::kCamera};
+  simulator.clouds.camera.pinhole = {160, 120, 100.0};
+  Monitor::Config monitor = atATable();
+  monitor.sensors.front().cloud.emplace();
+  monitor.sensors.front().mapper.window_s = 0.3;
+  monitor.sensors.front().mapper.looks.pass_gap_s = 0.001;
+  return {simulator, monitor};
+}
+
+TEST(MonitoredSimulationTest, ACamerasFramesAreMappedAndTold) {
+  const auto [simulator, monitor] = withCamera();
+  MonitoredSimulation simulation(simulator, monitor, dualArm());
+  int frames = 0;
+  simulation.onCloud([&](const MappedCloud& mapped) {
+    ++frames;
+    EXPECT_EQ(mapped.sensor, 0U);
+    const std::vector<Vector3>& taken = simulation.monitor().returns().points;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < mapped.kept.size(); ++i) {
+      if (mapped.kept[i] == 0) continue;
+      ASSERT_LT(kept, taken.size());
+      EXPECT_EQ(mapped.p_fixed[i], taken[kept]);
+      EXPECT_NE(mapped.cloud.truth[i].label, PointTruth::kNothing);
+      // Whatever is not of the robot stands where it is.
+      if (mapped.cloud.truth[i].label == Simulator::kFirstObject &&
+          !mapped.cloud.truth[i].mixed()) {
+        EXPECT_NEAR(mapped.p_fixed[i].z(), 0.0, 0.1);
+      }
+      ++kept;
+    }
+    EXPECT_EQ(kept, taken.size());
+    EXPECT_GT(kept, 5000U);
+  });
+  pass(simulation, 1.0);
+  EXPECT_NEAR(frames, 29, 2);
+  ASSERT_NE(simulation.monitor().map(), nullptr);
+  EXPECT_GT(simulation.monitor().map()->cuboids.size(), 100U);
+}
+
+TEST(MonitoredSimulationTest, LaserAndCameraAreMappedEachInItsOwnMap) {
+  auto [simulator, monitor] = withCamera();
+  simulator.sensors = {SensorKind::kLaser, SensorKind::kCamera};
+  monitor.sensors.insert(monitor.sensors.begin(), atATable().sensors.front());
+  monitor.checker.inputs.sensors = {{"laser", true}, {"camera", true}};
+  MonitoredSimulation simulation(simulator, monitor, dualArm());
+  int scans = 0, frames = 0;
+  simulation.onScan([&](const SimulatedScan&) { ++scans; });
+  simulation.onCloud([&](const MappedCloud& mapped) {
+    ++frames;
+    EXPECT_EQ(mapped.sensor, 1U);
+  });
+  pass(simulation, 1.0);
+  EXPECT_GT(scans, 30);
+  EXPECT_GT(frames, 25);
+  EXPECT_NE(simulation.monitor().map(0)->cuboids.size(),
+            simulation.monitor().map(1)->cuboids.size());
+}
+
 }  // namespace
 }  // namespace tccm::simulation
