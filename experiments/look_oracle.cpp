@@ -37,10 +37,11 @@ void LookOracle::add(const CloudSensors::Config& camera, Time stamp, Time mapped
   camera_ = camera.camera;
   const std::size_t link = linkIndex(*model_, camera.camera_mount.link);
   PosePath T_fixed_camera;
-  const std::size_t recent = frames_.size() - std::min<std::size_t>(frames_.size(), 20);
-  for (std::size_t i = recent; i < frames_.size(); ++i) {
-    T_fixed_camera.add(frames_[i].stamp,
-                       frames_[i].link_poses[link] * camera.camera_mount.T_link_sensor);
+  const auto after = std::partition_point(frames_.begin(), frames_.end(),
+                                          [stamp](const Frame& f) { return f.stamp < stamp; });
+  for (auto frame = after == frames_.begin() ? after : after - 1;
+       frame != frames_.end() && frame <= after; ++frame) {
+    T_fixed_camera.add(frame->stamp, frame->link_poses[link] * camera.camera_mount.T_link_sensor);
   }
   const std::optional<Pose> pose = T_fixed_camera.at(stamp);
   if (pose) pictures_.push_back({stamp, mapped, *pose});
