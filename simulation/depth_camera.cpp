@@ -118,7 +118,9 @@ float DepthCamera::mix(std::size_t neighbour, float depth, const std::vector<std
   if (!mixing_.on) return depth;
   truth.mixed_with = static_cast<std::uint32_t>(labels[target]);
   const float nearer = std::min(depth, other);
-  return nearer + static_cast<float>(mixing_.share) * (std::max(depth, other) - nearer);
+  // Along an edge that crosses the rows slantwise each pixel is covered by another share.
+  const auto far_share = static_cast<float>(0.05 + 0.9 * random_.uniform());
+  return nearer + far_share * (std::max(depth, other) - nearer);
 }
 
 /// One standard deviation [m].
