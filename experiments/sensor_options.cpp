@@ -14,12 +14,17 @@ void SensorOptions::declare(CLI::App& app) {
                  "of its picture, at the same field of view; fewer pixels take less time")
       ->check(CLI::Range(64, 1280))
       ->capture_default_str();
+  app.add_option("--camera-mixed-share", camera_mixed_share,
+                 "of its pixels that straddle two surfaces, that show something in between")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
 }
 
 SensorChoice SensorOptions::choice() const {
   SensorChoice choice;
   choice.kinds = sensorKinds(sensors);
   choice.clouds.camera_mount = cameraMount(camera);
+  choice.clouds.camera.mixed_share = camera_mixed_share;
   Pinhole& pinhole = choice.clouds.camera.pinhole;
   const Pinhole whole;
   pinhole.width = camera_width;

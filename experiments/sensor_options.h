@@ -14,6 +14,7 @@ struct SensorOptions {
   std::vector<std::string> sensors = {"laser"};
   std::string camera = "side";
   std::size_t camera_width = 640;
+  double camera_mixed_share = DepthCamera::Config().mixed_share;
 
   void declare(CLI::App& app);
   /// @throws ConfigError

@@ -44,6 +44,7 @@ void write(const TrialOptions& options, const std::string& experiment, const Fin
     results["sensors"] = options.sensors.sensors;
     results["camera"] = options.sensors.camera;
     results["camera_width"] = options.sensors.camera_width;
+    results["camera_mixed_share"] = options.sensors.camera_mixed_share;
   }
   results["figures"] = findings.figures;
   results["limits_missed"] = findings.missed;
