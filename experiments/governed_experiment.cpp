@@ -269,6 +269,10 @@ Findings runGoverned(GovernedOptions options, const TrialRun& run) {
     trial.links.erase(trial.links.begin(), trial.links.begin() + 2);  // elbows
   }
   trial.oracle.angle_rad = options.look_angle_deg * kDegree;
+  // In the empty scene a camera measures nothing in the area but the robot, which is no fault here.
+  if (!run.sensors.isLaserAlone()) {
+    settings.checker.checker.inputs.self_filter_fraction_max = 1.0;
+  }
   run.prepare(trial, settings);
   std::vector<GovernedTrial::Result> trials(
       static_cast<std::size_t>(std::ceil(60.0 * options.minutes / trial.duration_s)));
