@@ -15,13 +15,6 @@ void setUp(SensorKind kind, const CloudSensors::Config& clouds, SensorConfig& se
   CloudStage::Config& cloud = sensor.cloud_assembler.emplace().cloud;
   Mapper::Config& mapper = sensor.mapper.mapper;
   mapper.window_s = kind == SensorKind::kCamera ? kCameraWindow : kLidarWindow;
-  mapper.looks.pass_gap_s = 0.001;
-  const std::size_t points = kind == SensorKind::kCamera
-                                 ? clouds.camera.pinhole.width * clouds.camera.pinhole.height
-                                 : clouds.lidar.rows * clouds.lidar.columns;
-  const double period_s =
-      kind == SensorKind::kCamera ? clouds.camera.period_s : clouds.lidar.period_s;
-  mapper.map.returns_max = points * (2 + static_cast<std::size_t>(mapper.window_s / period_s));
   if (kind == SensorKind::kCamera) return;
   cloud.noise = {clouds.lidar.noise_m, 0.0};
   cloud.looks.block_rad = kLidarBlock;

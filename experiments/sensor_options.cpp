@@ -25,12 +25,7 @@ SensorChoice SensorOptions::choice() const {
   choice.kinds = sensorKinds(sensors);
   choice.clouds.camera_mount = cameraMount(camera);
   choice.clouds.camera.mixed_share = camera_mixed_share;
-  Pinhole& pinhole = choice.clouds.camera.pinhole;
-  const Pinhole whole;
-  pinhole.width = camera_width;
-  pinhole.height = camera_width * whole.height / whole.width;
-  pinhole.focal_px =
-      whole.focal_px * static_cast<double>(camera_width) / static_cast<double>(whole.width);
+  choice.clouds.camera.pinhole = Pinhole::ofWidth(camera_width);
   return choice;
 }
 

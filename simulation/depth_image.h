@@ -18,6 +18,12 @@ struct Pinhole {
   std::size_t height = 480;
   double focal_px = 400.0;
 
+  /// As wide a view in fewer pixels, or in more.
+  [[nodiscard]] static Pinhole ofWidth(std::size_t width) {
+    const Pinhole whole;
+    return {width, width * whole.height / whole.width,
+            whole.focal_px * static_cast<double>(width) / static_cast<double>(whole.width)};
+  }
   [[nodiscard]] double centreColumn() const { return 0.5 * static_cast<double>(width - 1); }
   [[nodiscard]] double centreRow() const { return 0.5 * static_cast<double>(height - 1); }
 };

@@ -202,8 +202,10 @@ SimulationNode::Config load(const ros::NodeHandle& node) {
   ScanningHead::Schedule fault;
   std::string sensors = "laser";
   std::string camera = "chest";
+  int camera_width = 640;
   node.param("sensors", sensors, sensors);
   node.param("camera", camera, camera);
+  node.param("camera_width", camera_width, camera_width);
   node.param("scene", s.scene, s.scene);
   node.param("motion", s.motion, s.motion);
   node.param("obstacle", obstacle, obstacle);
@@ -222,12 +224,14 @@ SimulationNode::Config load(const ros::NodeHandle& node) {
   node.param("duration_s", config.duration_s, config.duration_s);
   node.param("publish_clock", config.publish_clock, config.publish_clock);
   requireInRange("seed", seed, 0.0, 2147483647.0);
+  requireInRange("camera_width", camera_width, 64.0, 1280.0);
   requireInRange("duration_s", config.duration_s, 0.0, 1e6);
   s.seed = static_cast<std::uint64_t>(seed);
   s.obstacle = obstacleKind(obstacle);
   s.purpose = obstaclePurpose(obstacle_for);
   s.sensors = sensorKinds(split(sensors));
   s.clouds.camera_mount = cameraMount(camera);
+  s.clouds.camera.pinhole = Pinhole::ofWidth(static_cast<std::size_t>(camera_width));
   fault.fault = tiltFault(tilt_fault);
   if (fault.fault != TiltFault::kNone) s.head.faults.push_back(fault);
   if (!config.publish_clock) {

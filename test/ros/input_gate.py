@@ -29,7 +29,7 @@ class Gate:
         self.publisher = rospy.Publisher(topic, converted.message_type if converted else raw,
                                          queue_size=100)
         rospy.Subscriber(source or "raw/" + topic.lstrip("/"), raw, self._take, queue_size=100,
-                         tcp_nodelay=True)
+                         buff_size=1 << 22, tcp_nodelay=True)  # more than a camera's frame
 
     def _take(self, raw):
         with self._lock:
