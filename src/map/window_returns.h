@@ -29,7 +29,8 @@ class PartMapRing {
   [[nodiscard]] std::uint32_t oldestSerial() const { return parts_[oldest_].serial; }
   /// @param serial of one of the scans; they follow one another.
   [[nodiscard]] Time stampOf(std::uint32_t serial) const {
-    return parts_[(oldest_ + (serial - oldestSerial())) % parts_.size()].stamp;
+    const std::size_t place = oldest_ + (serial - oldestSerial());
+    return parts_[place < parts_.size() ? place : place - parts_.size()].stamp;
   }
 
   /// Begins the newest part map. @pre !full()
