@@ -9,25 +9,14 @@
 #include "geometry/ray.h"
 #include "simulation/world.h"
 #include "support/random.h"
+#include "support/standing_targets.h"
 
 namespace tccm::simulation {
 namespace {
 
 using test::Random;
-
-Snapshot snapshotOf(Time stamp, const std::vector<std::pair<Shape, Pose>>& targets) {
-  Snapshot snapshot{stamp, Pose::Identity(), {}, {}};
-  for (const auto& [shape, pose] : targets) {
-    snapshot.labels.push_back(snapshot.labels.size());
-    snapshot.targets.shapes.push_back(shape);
-    snapshot.targets.poses.push_back(pose);
-  }
-  return snapshot;
-}
-
-std::vector<Snapshot> standing(const std::vector<std::pair<Shape, Pose>>& targets) {
-  return {snapshotOf(Time{}, targets), snapshotOf(Time{std::chrono::milliseconds(30)}, targets)};
-}
+using test::snapshotOf;
+using test::standing;
 
 Scanner::Config noiseless() {
   Scanner::Config config;
