@@ -27,7 +27,7 @@ Json toJson(const BeamFates& fates) {
           {"removed_as_mixed_pixel", of(BeamKind::kMixedPixel)},
           {"removed_as_self", of(BeamKind::kSelf)},
           {"removed_as_shadow", of(BeamKind::kShadow)},
-          {"removed_of_clouds", of(BeamKind::kUnknown)},
+          {"out_of_range", of(BeamKind::kUnknown) + of(BeamKind::kTooClose)},
           {"mapped", fates.mapped()},
           {"kept_out_of_area", fates.keptAnywhere() - fates.mapped()}};
 }
@@ -116,15 +116,13 @@ void SelfFilterTrial::countBeams(const SimulatedScan& scan) {
   ledgers_[laser].add(std::move(entries), monitor.map(laser)->window_scans);
 }
 
-/// What filtered a point out is not told: those are counted as kUnknown.
 void SelfFilterTrial::countPoints(const MappedCloud& mapped) {
   ++tally_.scans;
   const Cloud& cloud = mapped.cloud.cloud;
   std::vector<PointLedger::Entry> entries;
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
     if (!isMeasured(cloud.points[i])) continue;
-    count(sourceOf(mapped.cloud.truth[i].beam()),
-          mapped.kept[i] != 0 ? BeamKind::kReturn : BeamKind::kUnknown, mapped.p_fixed[i], entries);
+    count(sourceOf(mapped.cloud.truth[i].beam()), mapped.kinds[i], mapped.p_fixed[i], entries);
   }
   ledgers_[mapped.sensor].add(std::move(entries),
                               simulation_.monitor().map(mapped.sensor)->window_scans);

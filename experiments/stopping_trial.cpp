@@ -281,7 +281,7 @@ void StoppingTrial::noteEvidence(const MappedCloud& mapped) {
           cloud.offsets_s.empty() ? 0.0 : static_cast<double>(cloud.offsets_s[i]);
       result_.way_beam_s = sinceAppeared(cloud.stamp + fromSeconds(offset_s));
     }
-    if (mapped.kept[i] == 0) continue;
+    if (mapped.kinds[i] != BeamKind::kReturn) continue;
     evidence_.push_back({*place, scans_});
     if (hasSupport(evidence_.back())) return noteSupport();
   }

@@ -144,16 +144,11 @@ void MonitoredSimulation::map(const Waiting& waiting) {
   processing_us_ += stopwatch.lapMicroseconds();
 }
 
-/// The map takes points in the cloud's order, and tells their places alone.
 void MonitoredSimulation::tellOf(const SimulatedCloud& simulated, std::size_t sensor,
                                  const PosePath& T_fixed_sensor) const {
   const Cloud& cloud = simulated.cloud;
-  // [m] Where points have times, those are rounded before the points are placed.
-  const double same = cloud.offsets_s.empty() ? 1e-9 : 2e-3;
-  const std::vector<Vector3>& taken = monitor_.returns(sensor).points;
-  MappedCloud mapped{simulated, sensor, {}, std::vector<std::uint8_t>(cloud.points.size())};
+  MappedCloud mapped{simulated, sensor, {}, monitor_.kinds(sensor)};
   mapped.p_fixed.reserve(cloud.points.size());
-  std::size_t next = 0;
   Pose T_fixed_cloud = *T_fixed_sensor.at(cloud.first());
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
     if (!cloud.offsets_s.empty() && isMeasured(cloud.points[i])) {
@@ -161,11 +156,7 @@ void MonitoredSimulation::tellOf(const SimulatedCloud& simulated, std::size_t se
           *T_fixed_sensor.at(cloud.stamp + fromSeconds(static_cast<double>(cloud.offsets_s[i])));
     }
     mapped.p_fixed.emplace_back(T_fixed_cloud * cloud.points[i].cast<double>());
-    if (next == taken.size() || !((taken[next] - mapped.p_fixed[i]).norm() < same)) continue;
-    mapped.kept[i] = 1;
-    ++next;
   }
-  if (next != taken.size()) throw std::logic_error("a cloud's points were not found in its map");
   on_cloud_(mapped);
 }
 

@@ -17,9 +17,9 @@ namespace tccm::simulation {
 /// A cloud as it came into the map.
 struct MappedCloud {
   const SimulatedCloud& cloud;
-  std::size_t sensor;              ///< index into the monitor's
-  std::vector<Vector3> p_fixed;    ///< where each point was placed; not finite where none was
-  std::vector<std::uint8_t> kept;  ///< whether the map took it: nothing filtered it out
+  std::size_t sensor;                  ///< index into the monitor's
+  std::vector<Vector3> p_fixed;        ///< where each point was placed; not finite where none was
+  const std::vector<BeamKind>& kinds;  ///< what became of each; the map takes the returns
 };
 
 /// A monitor that watches the simulated robot, in simulated time: it hears of the joints at 100 Hz,

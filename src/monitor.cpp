@@ -117,6 +117,9 @@ const AssembledScan& Monitor::assembled(std::size_t sensor) const {
 const ScanReturns& Monitor::returns(std::size_t sensor) const {
   return parts_->sensors[sensor].taken();
 }
+const std::vector<BeamKind>& Monitor::kinds(std::size_t sensor) const {
+  return parts_->sensors[sensor].cloud().kinds();
+}
 
 void Monitor::addJoints(Time now, Time stamp, const std::vector<std::string>& names,
                         const std::vector<double>& positions, const std::vector<double>& velocities,

@@ -84,6 +84,8 @@ class Monitor {
   [[nodiscard]] const AssembledScan& assembled(std::size_t sensor = 0) const;
   /// The points of the last scan.
   [[nodiscard]] const ScanReturns& returns(std::size_t sensor = 0) const;
+  /// What became of each point of the last cloud, in its order. @pre of a camera or lidar.
+  [[nodiscard]] const std::vector<BeamKind>& kinds(std::size_t sensor = 0) const;
 
  private:
   struct Stages;

@@ -120,8 +120,8 @@ TEST(MonitoredSimulationTest, ACamerasFramesAreMappedAndTold) {
     EXPECT_EQ(mapped.sensor, 0U);
     const std::vector<Vector3>& taken = simulation.monitor().returns().points;
     std::size_t kept = 0;
-    for (std::size_t i = 0; i < mapped.kept.size(); ++i) {
-      if (mapped.kept[i] == 0) continue;
+    for (std::size_t i = 0; i < mapped.kinds.size(); ++i) {
+      if (mapped.kinds[i] != BeamKind::kReturn) continue;
       ASSERT_LT(kept, taken.size());
       EXPECT_EQ(mapped.p_fixed[i], taken[kept]);
       EXPECT_NE(mapped.cloud.truth[i].label, PointTruth::kNothing);
