@@ -9,10 +9,16 @@ namespace {
 
 constexpr float kNoises = 6.0F;  // two ranges of one surface hardly ever differ by more
 
-/// The neighbours of one point along the row or the column.
-struct Neighbour {
-  std::size_t index;
-  bool exists;
+/// Where the neighbours of a point lie, along its beam: before it, near it or behind it.
+struct Sides {
+  static constexpr int kBefore = -1, kNear = 0, kBehind = 1, kNone = 2;
+  int left, right, above, below;
+
+  /// Both along a row or a column, one before and one behind.
+  [[nodiscard]] bool areAround() const { return left * right == -1 || above * below == -1; }
+  [[nodiscard]] int near() const {
+    return (left == kNear) + (right == kNear) + (above == kNear) + (below == kNear);
+  }
 };
 
 class Neighbourhood {
@@ -28,14 +34,14 @@ class Neighbourhood {
         slope_squared_(static_cast<float>(filter.slope_max * filter.slope_max)) {}
 
   [[nodiscard]] bool isFlying(std::size_t row, std::size_t column) const {
-    const std::size_t i = row * cloud_.width + column;
-    const float near = separation_ + kNoises * noise_.at(ranges_[i]);
-    const int left = side(i, {i - 1, column > 0}, near);
-    const int right = side(i, {i + 1, column + 1 < cloud_.width}, near);
-    const int above = side(i, {i - cloud_.width, row > 0}, near);
-    const int below = side(i, {i + cloud_.width, row + 1 < cloud_.height}, near);
-    if (left * right == -1 || above * below == -1) return true;
-    return left != kNear && right != kNear && above != kNear && below != kNear;
+    const Sides sides = sidesOf(row, column);
+    if (sides.areAround()) return true;
+    const int near = sides.near();
+    if (near != 1) return near == 0;
+    if (sides.left == Sides::kNear) return !carries(row, column - 1);
+    if (sides.right == Sides::kNear) return !carries(row, column + 1);
+    if (sides.above == Sides::kNear) return !carries(row - 1, column);
+    return !carries(row + 1, column);
   }
 
   /// Of a run of points that have neighbours on all sides: whether all four were measured and lie
@@ -57,17 +63,30 @@ class Neighbourhood {
   }
 
  private:
-  static constexpr int kNear = 0, kNone = 2;  // else -1: before it, 1: behind it
-
-  [[nodiscard]] int side(std::size_t i, Neighbour neighbour, float near) const {
-    if (!neighbour.exists || ranges_[neighbour.index] == 0.0F) return kNone;
-    const float further = ranges_[neighbour.index] - ranges_[i];
-    if (std::abs(further) <= near) return kNear;
+  /// Whether the only point near another one keeps that from being a flying pixel: not where it is
+  /// one itself, nor where it has no other near it.
+  [[nodiscard]] bool carries(std::size_t row, std::size_t column) const {
+    const Sides sides = sidesOf(row, column);
+    return !sides.areAround() && sides.near() > 1;
+  }
+  [[nodiscard]] Sides sidesOf(std::size_t row, std::size_t column) const {
+    const std::size_t i = row * cloud_.width + column;
+    const float near = separation_ + kNoises * noise_.at(ranges_[i]);
+    const auto side = [&](bool exists, std::size_t neighbour) {
+      return exists ? sideOf(i, neighbour, near) : Sides::kNone;
+    };
+    return {side(column > 0, i - 1), side(column + 1 < cloud_.width, i + 1),
+            side(row > 0, i - cloud_.width), side(row + 1 < cloud_.height, i + cloud_.width)};
+  }
+  [[nodiscard]] int sideOf(std::size_t i, std::size_t neighbour, float near) const {
+    if (ranges_[neighbour] == 0.0F) return Sides::kNone;
+    const float further = ranges_[neighbour] - ranges_[i];
+    if (std::abs(further) <= near) return Sides::kNear;
     const float depth_squared = further * further;
     const float across_squared =
-        (cloud_.points[neighbour.index] - cloud_.points[i]).squaredNorm() - depth_squared;
-    if (depth_squared <= slope_squared_ * across_squared) return kNear;
-    return further < 0.0F ? -1 : 1;
+        (cloud_.points[neighbour] - cloud_.points[i]).squaredNorm() - depth_squared;
+    if (depth_squared <= slope_squared_ * across_squared) return Sides::kNear;
+    return further < 0.0F ? Sides::kBefore : Sides::kBehind;
   }
 
   const Cloud& cloud_;

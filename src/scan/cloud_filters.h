@@ -25,8 +25,9 @@ struct FlyingPixelFilter {
 
   void describe(ParameterTable& table);
   /// Turns a return into kMixedPixel where its two neighbours in the row, or those in the column,
-  /// lie one before and one behind it, or where none of the four lies near it. Near is within the
-  /// separation and six times the noise, or on a surface no steeper than slope_max.
+  /// lie one before and one behind it, or where none of the four lies near it, or one alone that is
+  /// a flying pixel itself or has no other near it. Near is within the separation and six times the
+  /// noise, or on a surface no steeper than slope_max.
   void apply(const Cloud& cloud, const RangeNoise& noise, CloudState& state) const;
   /// In one row; the others' kinds do not matter.
   void applyToRow(const Cloud& cloud, const RangeNoise& noise, std::size_t row,

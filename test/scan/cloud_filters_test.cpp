@@ -85,6 +85,146 @@ TEST(FlyingPixelFilterTest, APointAloneInTheAirIsRemoved) {
   }
 }
 
+TEST(FlyingPixelFilterTest, TwoPointsAloneInTheAirAreRemovedAndThreeStay) {
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    Random random(seed);
+    const auto r = static_cast<std::size_t>(random.integer(0, 7));
+    const auto c = static_cast<std::size_t>(random.integer(0, 7));
+    const bool before_nothing = random.chance(0.5), along_row = random.chance(0.5);
+    for (const std::size_t length : {2U, 3U}) {
+      const Filtered image = flyingOf(imageOf(10, 10, [&](std::size_t row, std::size_t column) {
+        const std::size_t along = along_row ? column - c : row - r;
+        const bool is_on_line = along_row ? row == r : column == c;
+        return is_on_line && along < length ? 1.0 : before_nothing ? 0.0 : 2.5;
+      }));
+      EXPECT_EQ(image.removed(), length == 2 ? 2U : 0U) << seed;
+      EXPECT_EQ(image.at(r, c), length == 2 ? BeamKind::kMixedPixel : BeamKind::kReturn) << seed;
+    }
+  }
+}
+
+TEST(FlyingPixelFilterTest, APointThatLiesNearFlyingPixelsAloneIsRemoved) {
+  // Along the edge each pixel lies in between; beside the last no pixel before it is measured.
+  const Filtered image = flyingOf(imageOf(9, 9, [](std::size_t row, std::size_t column) {
+    if (column == 4) return row == 5 ? 1.51 : row < 5 ? 1.5 : 1.0;
+    if (column < 4) return row == 5 && column == 3 ? 0.0 : 1.0;
+    return 2.0;
+  }));
+  for (std::size_t row = 0; row <= 5; ++row) {
+    EXPECT_EQ(image.at(row, 4), BeamKind::kMixedPixel) << row;
+  }
+  EXPECT_EQ(image.removed(), 6U);
+}
+
+TEST(FlyingPixelFilterTest, AThinWireBeforeAWallStays) {
+  const RangeNoise noise;
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    Random random(seed);
+    std::normal_distribution<double> normal;
+    std::mt19937 engine(seed);
+    // One or two pixels wide: 3 mm at 1 m.
+    const double slope = random.uniform(-1.0, 1.0), away = random.uniform(0.6, 1.2);
+    const double half = 0.5 * (1.0 + std::abs(slope)), middle = random.uniform(25.0, 35.0);
+    const bool is_upright = random.chance(0.5);
+    const auto is_wire = [&](std::size_t row, std::size_t column) {
+      const double along = static_cast<double>(is_upright ? row : column) - 30.0;
+      const double across = static_cast<double>(is_upright ? column : row);
+      return std::abs(across - middle - slope * along) <= half;
+    };
+    const Filtered image = flyingOf(imageOf(60, 60, [&](std::size_t row, std::size_t column) {
+      const double z = is_wire(row, column) ? away : 2.0;
+      return z + static_cast<double>(noise.at(static_cast<float>(z))) * normal(engine);
+    }));
+    for (std::size_t row = 2; row < 58; ++row) {
+      for (std::size_t column = 2; column < 58; ++column) {
+        if (!is_wire(row, column)) continue;
+        EXPECT_EQ(image.at(row, column), BeamKind::kReturn) << seed;
+      }
+    }
+  }
+}
+
+/// The filter as its header says it, by the groups that points near each other make.
+class Groups {
+ public:
+  explicit Groups(const Filtered& image) : image_(image) {}
+
+  [[nodiscard]] bool isFlying(std::size_t i) const {
+    std::vector<std::size_t> near;
+    for (const std::size_t k : around(i)) {
+      if (isNear(i, k)) near.push_back(k);
+    }
+    return isBetween(i) || groupOf(i).size() < 3 || (near.size() == 1 && isBetween(near.front()));
+  }
+
+ private:
+  [[nodiscard]] double range(std::size_t i) const {
+    return static_cast<double>(image_.state.ranges[i]);
+  }
+  [[nodiscard]] bool isNear(std::size_t i, std::size_t k) const {
+    return range(k) > 0.0 && std::abs(range(i) - range(k)) < 0.1;
+  }
+  /// Whether one of two that are opposite lies before it and the other behind.
+  [[nodiscard]] bool isBetween(std::size_t i) const {
+    for (const std::size_t a : around(i)) {
+      for (const std::size_t b : around(i)) {
+        const bool are_opposite = a < b && a + b == 2 * i;
+        const bool before = range(a) > 0.0 && range(a) < range(i) && !isNear(i, a);
+        const bool behind = range(b) > range(i) && !isNear(i, b);
+        const bool b_before = range(b) > 0.0 && range(b) < range(i) && !isNear(i, b);
+        const bool a_behind = range(a) > range(i) && !isNear(i, a);
+        if (are_opposite && ((before && behind) || (b_before && a_behind))) return true;
+      }
+    }
+    return false;
+  }
+  [[nodiscard]] std::vector<std::size_t> around(std::size_t i) const {
+    const std::size_t width = image_.cloud.width, row = i / width, column = i % width;
+    std::vector<std::size_t> found;
+    if (column > 0) found.push_back(i - 1);
+    if (column + 1 < width) found.push_back(i + 1);
+    if (row > 0) found.push_back(i - width);
+    if (row + 1 < image_.cloud.height) found.push_back(i + width);
+    return found;
+  }
+  [[nodiscard]] std::vector<std::size_t> groupOf(std::size_t i) const {
+    std::vector<std::size_t> group{i};
+    for (std::size_t next = 0; next < group.size(); ++next) {
+      for (const std::size_t k : around(group[next])) {
+        const bool is_new = std::find(group.begin(), group.end(), k) == group.end();
+        if (is_new && isNear(group[next], k)) group.push_back(k);
+      }
+    }
+    return group;
+  }
+
+  const Filtered& image_;
+};
+
+TEST(FlyingPixelFilterTest, RandomPicturesAreFilteredAsTheGroupsOfTheirPointsSay) {
+  const std::vector<double> depths = {0.0, 1.0, 1.01, 1.5, 2.0};
+  std::size_t flying = 0, staying = 0;
+  for (unsigned seed = 0; seed < 400; ++seed) {
+    Random random(seed);
+    const auto width = static_cast<std::size_t>(seed % 8 == 0 ? 150 : random.integer(2, 12));
+    const auto height = static_cast<std::size_t>(random.integer(2, 12));
+    const double spread = random.uniform(0.1, 1.0);
+    const Filtered before = imageOf(width, height, [&](std::size_t, std::size_t) {
+      return random.chance(spread) ? depths[static_cast<std::size_t>(random.integer(0, 4))] : 1.0;
+    });
+    const Filtered after = flyingOf(before);
+    const Groups groups(before);
+    for (std::size_t i = 0; i < width * height; ++i) {
+      if (before.state.kinds[i] != BeamKind::kReturn) continue;
+      const bool is_flying = groups.isFlying(i);
+      ASSERT_EQ(after.state.kinds[i] == BeamKind::kMixedPixel, is_flying) << seed << ", " << i;
+      ++(is_flying ? flying : staying);
+    }
+  }
+  EXPECT_GT(flying, 1000U);
+  EXPECT_GT(staying, 10000U);
+}
+
 TEST(FlyingPixelFilterTest, NoisySurfacesStayHoweverTheyLie) {
   const RangeNoise noise;
   for (unsigned seed = 0; seed < 40; ++seed) {
