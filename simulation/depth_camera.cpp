@@ -37,7 +37,9 @@ void DepthCamera::Config::validate() const {
   requireInRange("grazing_deg", grazing_deg, 1.0, 90.0);
   requireInRange("mixed_share", mixed_share, 0.0, 1.0);
   requireInRange("mixed_persistence", mixed_persistence, 0.0, 1.0);
-  requireInRange("mixed_gap_m", mixed_gap_m, 0.0, depth_max_m);
+  requireInRange("hole_share", hole_share, 0.0, 1.0);
+  requireInRange("edge_gap_m", edge_gap_m, 0.0, depth_max_m);
+  requireInRange("outline_share", outline_share, 0.0, 1.0);
 }
 
 DepthCamera::DepthCamera(const Config& config, std::uint64_t seed)
@@ -81,42 +83,68 @@ void DepthCamera::draw(const Snapshot& snapshot) {
 void DepthCamera::measure(std::size_t row, std::size_t column,
                           const std::vector<std::size_t>& labels, SimulatedCloud& result) {
   const std::size_t pixel = row * config_.pinhole.width + column;
-  const std::uint32_t target = image_.targets()[pixel];
   Eigen::Vector3f& point = result.cloud.points[pixel];
   point.setConstant(kNaN);
+  const std::size_t shown = shownIn(row, column);
+  const std::uint32_t target = image_.targets()[shown];
   if (target == DepthImage::kNothing) return;
   PointTruth& truth = result.truth[pixel];
   truth.label = static_cast<std::uint32_t>(labels[target]);
-  const float facing = image_.facings()[pixel];
+  const float facing = image_.facings()[shown];
   const float length_squared = 1.0F + square(across_[column]) + square(down_[row]);
   if (facing * facing < least_facing_squared_ * length_squared) return;
 
-  float depth = 1.0F / image_.inverseDepths()[pixel];
-  const std::size_t right = column + 1 < config_.pinhole.width ? pixel + 1 : pixel;
-  const std::size_t below =
-      row + 1 < config_.pinhole.height ? pixel + config_.pinhole.width : pixel;
+  float depth = 1.0F / image_.inverseDepths()[shown];
   const float deviation = deviationAt(depth, facing, length_squared);
-  if (image_.targets()[right] != target) {
-    depth = mix(right, depth, labels, truth);
-  } else if (image_.targets()[below] != target) {
-    depth = mix(below, depth, labels, truth);
+  if (shown == pixel) {
+    if (const auto across = acrossEdge(row, column)) {
+      if (random_.uniform() < config_.hole_share) return;
+      depth = mix(*across, depth, labels, truth);
+    }
   }
   const float measured = depth + deviation * normal_(random_);
   if (measured < depth_min_ || measured > depth_max_) return;
   point = {measured * across_[column], measured * down_[row], measured};
 }
 
-/// The depth that is measured where the neighbour shows another target.
+/// The pixel whose surface a pixel shows: its own, or one beside it beyond an outline.
+std::size_t DepthCamera::shownIn(std::size_t row, std::size_t column) {
+  const std::size_t width = config_.pinhole.width, pixel = row * width + column;
+  const std::uint32_t target = image_.targets()[pixel];
+  const auto shows = [&](bool exists, std::size_t neighbour) {
+    return exists && image_.targets()[neighbour] != target &&
+           random_.uniform() < config_.outline_share;
+  };
+  if (shows(column > 0, pixel - 1)) return pixel - 1;
+  if (shows(column + 1 < width, pixel + 1)) return pixel + 1;
+  if (shows(row > 0, pixel - width)) return pixel - width;
+  if (shows(row + 1 < config_.pinhole.height, pixel + width)) return pixel + width;
+  return pixel;
+}
+
+/// The neighbour with the other surface that a pixel straddles.
+std::optional<std::size_t> DepthCamera::acrossEdge(std::size_t row, std::size_t column) const {
+  const std::size_t width = config_.pinhole.width, pixel = row * width + column;
+  const auto differs = [&](bool exists, std::size_t neighbour) {
+    return exists && image_.targets()[neighbour] != image_.targets()[pixel];
+  };
+  const bool is_right = differs(column + 1 < width, pixel + 1);
+  if (!is_right && !differs(row + 1 < config_.pinhole.height, pixel + width)) return std::nullopt;
+  const std::size_t other = is_right ? pixel + 1 : pixel + width;
+  if (image_.targets()[other] == DepthImage::kNothing) return std::nullopt;
+  const float apart = 1.0F / image_.inverseDepths()[other] - 1.0F / image_.inverseDepths()[pixel];
+  if (std::abs(apart) <= static_cast<float>(config_.edge_gap_m)) return std::nullopt;
+  return other;
+}
+
+/// The depth that is measured beside another surface.
 float DepthCamera::mix(std::size_t neighbour, float depth, const std::vector<std::size_t>& labels,
                        PointTruth& truth) {
-  const std::uint32_t target = image_.targets()[neighbour];
-  if (target == DepthImage::kNothing) return depth;
-  const float other = 1.0F / image_.inverseDepths()[neighbour];
-  if (std::abs(other - depth) <= static_cast<float>(config_.mixed_gap_m)) return depth;
   mixing_.advance(config_.mixed_share, config_.mixed_persistence,
                   [this] { return random_.uniform(); });
   if (!mixing_.on) return depth;
-  truth.mixed_with = static_cast<std::uint32_t>(labels[target]);
+  truth.mixed_with = static_cast<std::uint32_t>(labels[image_.targets()[neighbour]]);
+  const float other = 1.0F / image_.inverseDepths()[neighbour];
   const float nearer = std::min(depth, other);
   // Along an edge that crosses the rows slantwise each pixel is covered by another share.
   const auto far_share = static_cast<float>(0.05 + 0.9 * random_.uniform());

@@ -17,7 +17,8 @@ Simulator::Config withSensors(const std::vector<SensorKind>& kinds) {
   config.clouds.camera.pinhole = {80, 60, 50.0};
   config.clouds.camera.noise_m = config.clouds.camera.noise_per_m2 = 0.0;
   config.clouds.camera.noise_slant = 0.0;
-  config.clouds.camera.mixed_share = 0.0;
+  config.clouds.camera.mixed_share = config.clouds.camera.hole_share =
+      config.clouds.camera.outline_share = 0.0;
   config.clouds.lidar.rows = 16;
   config.clouds.lidar.columns = 128;
   config.clouds.lidar.noise_m = 0.0;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "geometry/ray.h"
@@ -37,7 +38,7 @@ std::pair<Shape, Pose> wallAt(double depth, double slant_rad = 0.0) {
 DepthCamera::Config noiseless() {
   DepthCamera::Config config;
   config.noise_m = config.noise_per_m2 = config.noise_slant = 0.0;
-  config.mixed_share = 0.0;
+  config.mixed_share = config.hole_share = config.outline_share = 0.0;
   return config;
 }
 
@@ -180,6 +181,64 @@ TEST(DepthCameraTest, FlyingPixelsAreAtEdgesAloneAndBetweenTheirSurfaces) {
   EXPECT_GT(edges, 600U);
   EXPECT_NEAR(static_cast<double>(flying), 0.5 * static_cast<double>(edges),
               0.15 * static_cast<double>(edges));
+}
+
+TEST(DepthCameraTest, AShareOfThePixelsAtAnEdgeIsNotMeasured) {
+  DepthCamera::Config config = noiseless();
+  config.hole_share = 0.3;
+  const Snapshot snapshot =
+      before({{Box{Vector3(0.2, 0.2, 0.05)}, at(0.0, 0.0, 1.05)}, wallAt(2.0)});
+  const auto frame = DepthCamera(config, 3).measure(snapshot);
+  const auto whole = DepthCamera(noiseless(), 3).measure(snapshot);
+  std::size_t edges = 0, holes = 0;
+  for (std::size_t row = 0; row + 1 < 480; ++row) {
+    for (std::size_t column = 0; column + 1 < 640; ++column) {
+      const std::size_t i = row * 640 + column;
+      const bool at_edge = whole.truth[i].label != whole.truth[i + 1].label ||
+                           whole.truth[i].label != whole.truth[i + 640].label;
+      const bool is_hole = !isMeasured(frame.cloud.points[i]);
+      EXPECT_TRUE(at_edge || !is_hole);
+      edges += at_edge ? 1 : 0;
+      holes += is_hole ? 1 : 0;
+    }
+  }
+  EXPECT_NEAR(static_cast<double>(holes), 0.3 * static_cast<double>(edges),
+              0.07 * static_cast<double>(edges));
+}
+
+TEST(DepthCameraTest, OutlinesWaverByAPixelToEitherSide) {
+  DepthCamera::Config config = noiseless();
+  config.outline_share = 0.27;
+  // 160 pixels wide and high; nothing is behind its right half.
+  const Snapshot snapshot = before({{Box{Vector3(0.2, 0.2, 0.05)}, at(0.0, 0.0, 1.05)},
+                                    {Box{Vector3(10.0, 10.0, 0.05)}, at(-10.0, 0.0, 2.05)}});
+  const auto frame = DepthCamera(config, 3).measure(snapshot);
+  const auto still = DepthCamera(noiseless(), 3).measure(snapshot);
+  std::array<std::size_t, 4> beside{}, other{};  // of pixels with an outline at one side alone
+  for (std::size_t row = 1; row + 1 < 480; ++row) {
+    for (std::size_t column = 1; column + 1 < 640; ++column) {
+      const std::size_t i = row * 640 + column;
+      const std::array<std::size_t, 4> around = {i - 1, i + 1, i - 640, i + 640};
+      const auto differs = [&](std::size_t k) {
+        return still.truth[i].label != still.truth[k].label;
+      };
+      const bool is_changed = frame.truth[i].label != still.truth[i].label;
+      const auto sides = std::count_if(around.begin(), around.end(), differs);
+      for (std::size_t k = 0; k < 4; ++k) {
+        if (sides != 1 || !differs(around[k])) continue;
+        ++beside[k];
+        other[k] += is_changed ? 1 : 0;
+      }
+      EXPECT_TRUE(sides > 0 || !is_changed);
+      EXPECT_EQ(frame.truth[i].found(), isMeasured(frame.cloud.points[i]));
+      if (!frame.truth[i].found()) continue;
+      EXPECT_NEAR(frame.cloud.points[i].z(), frame.truth[i].label == 100 ? 1.0 : 2.0, 1e-4);
+    }
+  }
+  for (std::size_t k = 0; k < 4; ++k) {
+    EXPECT_GT(beside[k], 300U);
+    EXPECT_NEAR(static_cast<double>(other[k]) / static_cast<double>(beside[k]), 0.27, 0.09) << k;
+  }
 }
 
 TEST(DepthCameraTest, SurfacesNearEachOtherAndTheFacesOfOneTargetDoNotMix) {
