@@ -35,16 +35,9 @@ void LookOracle::add(const LaserScan& scan, Time mapped) {
 
 void LookOracle::add(const CloudSensors::Config& camera, Time stamp, Time mapped) {
   camera_ = camera.camera;
-  const std::size_t link = linkIndex(*model_, camera.camera_mount.link);
-  PosePath T_fixed_camera;
-  const auto after = std::partition_point(frames_.begin(), frames_.end(),
-                                          [stamp](const Frame& f) { return f.stamp < stamp; });
-  for (auto frame = after == frames_.begin() ? after : after - 1;
-       frame != frames_.end() && frame <= after; ++frame) {
-    T_fixed_camera.add(frame->stamp, frame->link_poses[link] * camera.camera_mount.T_link_sensor);
-  }
-  const std::optional<Pose> pose = T_fixed_camera.at(stamp);
-  if (pose) pictures_.push_back({stamp, mapped, *pose});
+  camera_link_ = linkIndex(*model_, camera.camera_mount.link);
+  T_link_camera_ = camera.camera_mount.T_link_sensor;
+  pictures_.push_back({stamp, mapped});
 }
 
 std::optional<LookOracle::Look> LookOracle::firstLook(Time after, const Vector3& p_fixed) const {
@@ -63,16 +56,30 @@ std::optional<LookOracle::Look> LookOracle::firstPicture(Time after, const Vecto
   return std::nullopt;
 }
 
+/// When a frame is mapped the robot may not have been heard of at its end yet: the camera's pose is
+/// asked for when all is known.
+std::optional<Pose> LookOracle::cameraAt(Time stamp) const {
+  const auto after = std::partition_point(frames_.begin(), frames_.end(),
+                                          [stamp](const Frame& f) { return f.stamp < stamp; });
+  PosePath T_fixed_camera;
+  for (auto frame = after == frames_.begin() ? after : after - 1;
+       frame != frames_.end() && frame <= after; ++frame) {
+    T_fixed_camera.add(frame->stamp, frame->link_poses[camera_link_] * T_link_camera_);
+  }
+  return T_fixed_camera.at(stamp);
+}
+
 bool LookOracle::shows(const Picture& picture, const Vector3& p_fixed) const {
-  const Vector3 p_camera = picture.T_fixed_camera.inverse() * p_fixed;
+  const std::optional<Pose> T_fixed_camera = cameraAt(picture.stamp);
+  if (!T_fixed_camera) return false;
+  const Vector3 p_camera = T_fixed_camera->inverse() * p_fixed;
   if (p_camera.z() < camera_.depth_min_m || p_camera.z() > camera_.depth_max_m) return false;
   const Pinhole& pinhole = camera_.pinhole;
   const double right = pinhole.focal_px * std::abs(p_camera.x()) / p_camera.z();
   const double down = pinhole.focal_px * std::abs(p_camera.y()) / p_camera.z();
   if (right > pinhole.centreColumn() || down > pinhole.centreRow()) return false;
-  const Vector3 way = p_fixed - picture.T_fixed_camera.translation();
-  return !robotStops(picture.stamp, {picture.T_fixed_camera.translation(), way.normalized()},
-                     way.norm());
+  const Vector3 way = p_fixed - T_fixed_camera->translation();
+  return !robotStops(picture.stamp, {T_fixed_camera->translation(), way.normalized()}, way.norm());
 }
 
 std::optional<LookOracle::Look> LookOracle::firstScan(Time after, const Vector3& p_fixed) const {

@@ -31,7 +31,8 @@ class LookOracle {
   /// their order.
   void add(const LaserScan& scan, Time mapped);
 
-  /// A camera's frame. @param stamp not later than the newest robot sample.
+  /// A camera's frame, always of the same camera; a look once a robot sample not before its stamp
+  /// is known.
   void add(const CloudSensors::Config& camera, Time stamp, Time mapped);
 
   struct Look {
@@ -64,10 +65,10 @@ class LookOracle {
   struct Picture {
     Time stamp;
     Time mapped;
-    Pose T_fixed_camera;
   };
   [[nodiscard]] std::optional<Look> firstScan(Time after, const Vector3& p_fixed) const;
   [[nodiscard]] std::optional<Look> firstPicture(Time after, const Vector3& p_fixed) const;
+  [[nodiscard]] std::optional<Pose> cameraAt(Time stamp) const;
   [[nodiscard]] bool shows(const Picture& picture, const Vector3& p_fixed) const;
   [[nodiscard]] std::optional<Time> beamOf(const Scan& scan, Time after,
                                            const Vector3& p_fixed) const;
@@ -84,6 +85,8 @@ class LookOracle {
   std::vector<Scan> scans_;
   std::vector<Frame> frames_;
   DepthCamera::Config camera_;
+  std::size_t camera_link_ = 0;
+  Pose T_link_camera_ = Pose::Identity();
   std::vector<Picture> pictures_;
 };
 

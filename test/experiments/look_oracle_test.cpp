@@ -30,6 +30,13 @@ class LookOracleTest : public ::testing::Test {
     return laserOrigin(model_, tilt_rad) +
            range_m * Vector3(std::cos(tilt_rad), 0.0, -std::sin(tilt_rad));
   }
+  /// In the middle of a camera's picture, where the robot's links are at rest.
+  [[nodiscard]] Vector3 aheadOf(const Mount& mount, double depth_m) const {
+    Kinematics kinematics(model_);
+    kinematics.update(armPath(model_, "reach").positions(0.0), {Pose::Identity()});
+    return kinematics.linkPoses()[linkIndex(*model_, mount.link)] * mount.T_link_sensor *
+           Vector3(0.0, 0.0, depth_m);
+  }
   /// [s] after the start
   [[nodiscard]] double firstLook(double after_s, const Vector3& p) const {
     const auto look = oracle_.firstLook(start_ + fromSeconds(after_s), p);
@@ -76,6 +83,34 @@ TEST_F(LookOracleTest, WhatTheRobotHidesIsNotLookedAt) {
   const Vector3 sensor = laserOrigin(model_, TiltMotion().mean_rad);
   const Vector3 behind = sensor + 1.2 * (hand - sensor);
   EXPECT_EQ(firstLook(1.0, behind), -1.0);
+}
+
+TEST_F(LookOracleTest, ACamerasFrameMayComeBeforeTheRobotIsHeardOfAtItsEnd) {
+  Simulator::Config config;
+  config.scene = "empty";
+  config.sensors = {SensorKind::kCamera};
+  Simulator simulator(config);
+  simulator.setStop(true);
+  const Time start = simulator.now();
+  LookOracle oracle({}, model_);
+  std::size_t frames = 0;
+  const Vector3 seen = aheadOf(config.clouds.camera_mount, 0.6);
+  while (simulator.now() < start + std::chrono::seconds(1)) {
+    const StepOutput output = simulator.step();
+    if (output.clouds.camera) {
+      oracle.add(config.clouds, output.clouds.camera->cloud.stamp, simulator.now());
+      ++frames;
+    }
+    if (output.robot) oracle.add(*output.robot);
+  }
+  std::size_t looks = 0;
+  Time now = start;
+  for (auto look = oracle.firstLook(now, seen); look; look = oracle.firstLook(now, seen)) {
+    now = look->beam;
+    ++looks;
+  }
+  EXPECT_GT(frames, 25U);
+  EXPECT_GE(looks + 2, frames);
 }
 
 TEST_F(LookOracleTest, AScanIsMappedAfterItsBeams) {
