@@ -76,8 +76,9 @@ class LookImage {
   /// before it; the robot's own is none.
   [[nodiscard]] bool passedSince(Time since, const Vector3& p_fixed, double margin_m) const;
   /// When the place is looked at next: a period after it was seen last in the same direction of the
-  /// tilt. Nothing where it was not seen lately, or the look is overdue by more than late_max: then
-  /// none is due. @param period of the tilt.
+  /// tilt, or as long after the newest frame as that came after the one before. Nothing where it
+  /// was not seen lately, or the look is overdue by more than late_max: then none is due. @param
+  /// period of the tilt.
   [[nodiscard]] std::optional<Time> nextLook(const Vector3& p_fixed, double margin_m, Time now,
                                              Duration period, Duration late_max) const;
 
@@ -111,6 +112,9 @@ class LookImage {
   [[nodiscard]] std::size_t memoryBytes() const { return passes_.capacity() * sizeof(Passes); }
 
  private:
+  /// How long after the look before the newest one came in the place's direction, where that is so
+  /// short that no tilt can do it: the sensor looks everywhere at once, as a camera does.
+  [[nodiscard]] std::optional<Duration> betweenFrames(const Vector3& p_fixed) const;
   /// Hands on the passes in the place's direction in whose stroke of the tilt the place was
   /// reached, in that direction or in one beside, above or below.
   template <typename Visit>

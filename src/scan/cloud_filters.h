@@ -20,7 +20,7 @@ struct CloudState {
 /// Removes points in the air between two surfaces, which sensors make where one pixel or beam sees
 /// both, from organised clouds.
 struct FlyingPixelFilter {
-  double separation_m = 0.03;
+  double separation_m = 0.02;
   double slope_max = 6.0;
 
   void describe(ParameterTable& table);

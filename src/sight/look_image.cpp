@@ -12,6 +12,7 @@ namespace {
 /// Pixels; a thing as large as a hand shows in directions beside that of its middle.
 constexpr double kNeighbours = 1.0;
 constexpr LookImage::Ticks kSameStroke = 100;  // [ms] between passes in neighbouring directions
+constexpr LookImage::Ticks kFrames = 100;      // [ms]; less between passes: a camera's frames
 
 bool isClear(const LookImage::Pass& pass) {
   return pass.end != Seen::kNever && pass.end != Seen::kUnclear;
@@ -126,6 +127,16 @@ void LookImage::visitSeen(const Vector3& p_fixed, double margin_m, Visit&& visit
   }
 }
 
+std::optional<Duration> LookImage::betweenFrames(const Vector3& p_fixed) const {
+  const Vector3 sight = p_fixed - viewpoint_;
+  if (!(sight.norm() > kNearestLook)) return std::nullopt;
+  const Passes& passes = passes_[grid_.pixelOf(sight)];
+  if (passes.back().end == Seen::kNever) return std::nullopt;
+  const Ticks between = passes.front().first - passes.back().first;
+  if (between == 0 || between >= kFrames) return std::nullopt;
+  return std::chrono::milliseconds(between);
+}
+
 bool LookImage::passedSince(Time since, const Vector3& p_fixed, double margin_m) const {
   bool passed = false;
   visitSeen(p_fixed, margin_m,
@@ -135,9 +146,10 @@ bool LookImage::passedSince(Time since, const Vector3& p_fixed, double margin_m)
 
 std::optional<Time> LookImage::nextLook(const Vector3& p_fixed, double margin_m, Time now,
                                         Duration period, Duration late_max) const {
+  const Duration again = std::min(period, betweenFrames(p_fixed).value_or(period));
   std::optional<Time> next;
   visitSeen(p_fixed, margin_m, [&](const Pass& pass) {
-    const Time due = timeOf(pass.first) + period;
+    const Time due = timeOf(pass.first) + again;
     if (due >= now - late_max && (!next || due < *next)) next = due;
   });
   return next;

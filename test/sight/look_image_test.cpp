@@ -168,5 +168,16 @@ TEST(LookImageTest, ALookBesideIsNoneBeforeThePlaceIsLookedAtItself) {
   EXPECT_FALSE(withBeside(ahead({}), beside).passedSince(at(103.1), place, 0.0));
 }
 
+TEST(LookImageTest, ACameraLooksAgainAFrameLater) {
+  const auto dueAfter = [](LookImage::Ticks between) {
+    const LookImage image = ahead({3000, 3000, 800, Seen::kSurface},
+                                  {3000 - between, 3000 - between, 800, Seen::kSurface});
+    return image.nextLook(placeAhead(0.5), 0.0, at(103.01), fromSeconds(0.3), fromSeconds(0.05));
+  };
+  EXPECT_EQ(dueAfter(33), at(103.033));
+  EXPECT_EQ(dueAfter(99), at(103.099));
+  EXPECT_EQ(dueAfter(100), at(103.2)) << "a tilt may be as fast: it comes back the other way";
+}
+
 }  // namespace
 }  // namespace tccm
