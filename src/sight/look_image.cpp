@@ -146,10 +146,15 @@ bool LookImage::passedSince(Time since, const Vector3& p_fixed, double margin_m)
 
 std::optional<Time> LookImage::nextLook(const Vector3& p_fixed, double margin_m, Time now,
                                         Duration period, Duration late_max) const {
-  const Duration again = std::min(period, betweenFrames(p_fixed).value_or(period));
+  const std::optional<Duration> frame = betweenFrames(p_fixed);
+  const Duration again = std::min(period, frame.value_or(period));
+  const Time newest =
+      frame ? timeOf(passes_[grid_.pixelOf(p_fixed - viewpoint_)].front().first) : Time{};
   std::optional<Time> next;
   visitSeen(p_fixed, margin_m, [&](const Pass& pass) {
-    const Time due = timeOf(pass.first) + again;
+    Time due = timeOf(pass.first) + again;
+    // A frame after the one before the newest came the newest itself.
+    if (frame && due <= newest) due += again;
     if (due >= now - late_max && (!next || due < *next)) next = due;
   });
   return next;
