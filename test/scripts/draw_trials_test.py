@@ -44,7 +44,8 @@ class PictureTest(unittest.TestCase):
                        "figures": figures or {}}
             (folder / "results.json").write_text(json.dumps(results), encoding="utf-8")
             (folder / "results.csv").write_text(rows, encoding="utf-8")
-            (folder / "speeds.csv").write_text(speeds, encoding="utf-8")
+            if speeds is not None:
+                (folder / "speeds.csv").write_text(speeds, encoding="utf-8")
             return [(path.name, path.stat().st_size) for path in draw_trials.draw(folder)]
 
     def test_every_experiment_has_its_picture(self):
@@ -75,7 +76,8 @@ class PictureTest(unittest.TestCase):
     def test_where_nothing_was_tried_nothing_is_drawn(self):
         for experiment, rows in (("hover", HOVER), ("visibility", VISIBILITY)):
             self.assertEqual(self.pictures(experiment, rows.splitlines()[0]), [])
-        self.assertEqual(self.pictures("governed", "seed\n", speeds=SPEEDS.splitlines()[0]), [])
+        for speeds in (SPEEDS.splitlines()[0], None):
+            self.assertEqual(self.pictures("governed", "seed\n", speeds=speeds), [])
 
 
 if __name__ == "__main__":
