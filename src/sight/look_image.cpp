@@ -118,11 +118,14 @@ void LookImage::visitSeen(const Vector3& p_fixed, double margin_m, Visit&& visit
              own.first <= pass.last + kSameStroke;
     });
   };
+  // A frame looks in each direction itself.
+  const bool asks_beside = !betweenFrames(p_fixed);
   for (const Pass& own : passes_[pixel]) {
     if (own.end == Seen::kNever) return;
-    const bool is_seen = reached(own, range, margin_m) || reachedWith(own, row, column - 1) ||
-                         reachedWith(own, row, column + 1) || reachedWith(own, row - 1, column) ||
-                         reachedWith(own, row + 1, column);
+    const bool is_seen =
+        reached(own, range, margin_m) ||
+        (asks_beside && (reachedWith(own, row, column - 1) || reachedWith(own, row, column + 1) ||
+                         reachedWith(own, row - 1, column) || reachedWith(own, row + 1, column)));
     if (is_seen) visit(own);
   }
 }

@@ -168,6 +168,16 @@ TEST(LookImageTest, ALookBesideIsNoneBeforeThePlaceIsLookedAtItself) {
   EXPECT_FALSE(withBeside(ahead({}), beside).passedSince(at(103.1), place, 0.0));
 }
 
+TEST(LookImageTest, ALookBesideIsNoneOfACamera) {
+  const Vector3 place = kViewpoint + 0.8 * Vector3(1.0, 0.028, 0.017).normalized();
+  const LookImage::Pass beside{3000, 3000, 900, Seen::kSurface};
+  for (const LookImage::Ticks between : {33U, 400U}) {
+    const LookImage own = ahead({3000, 3000, 400, Seen::kSurface},
+                                {3000 - between, 3000 - between, 400, Seen::kSurface});
+    EXPECT_EQ(withBeside(own, beside).passedSince(at(102.9), place, 0.0), between == 400U);
+  }
+}
+
 TEST(LookImageTest, ACameraLooksAgainAFrameLater) {
   const auto dueAfter = [](LookImage::Ticks between) {
     const LookImage image = ahead({3000, 3000, 800, Seen::kSurface},
