@@ -8,41 +8,15 @@
 #include <tf2_eigen/tf2_eigen.h>
 #include <tf2_msgs/TFMessage.h>
 
-#include <cstring>
-
+#include "cloud_message.h"
 #include "support/depth_view.h"
-
-namespace {
-
-sensor_msgs::PointCloud2 messageOf(const tccm::Cloud& cloud) {
-  sensor_msgs::PointCloud2 message;
-  message.header.frame_id = "camera_optical_frame";
-  message.width = static_cast<std::uint32_t>(cloud.width);
-  message.height = static_cast<std::uint32_t>(cloud.height);
-  for (const char* name : {"x", "y", "z"}) {
-    sensor_msgs::PointField field;
-    field.name = name;
-    field.offset = 4 * static_cast<std::uint32_t>(message.fields.size());
-    field.datatype = sensor_msgs::PointField::FLOAT32;
-    field.count = 1;
-    message.fields.push_back(field);
-  }
-  message.point_step = 16;
-  message.row_step = message.point_step * message.width;
-  message.data.resize(message.point_step * cloud.points.size());
-  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
-    std::memcpy(&message.data[16 * i], cloud.points[i].data(), 12);
-  }
-  return message;
-}
-
-}  // namespace
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "camera_publisher");
   ros::NodeHandle node;
   const tccm::test::DepthView view;
-  sensor_msgs::PointCloud2 cloud = messageOf(view.camera(1).cloud);
+  sensor_msgs::PointCloud2 cloud = tccm::messageOf(view.camera(1).cloud);
+  cloud.header.frame_id = "camera_optical_frame";
   sensor_msgs::JointState joints;
   for (const auto& variable : view.model()->variables()) joints.name.push_back(variable.name);
   joints.position = view.positions();

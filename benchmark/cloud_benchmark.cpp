@@ -7,12 +7,12 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <functional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "cloud_message.h"
 #include "latencies.h"
 #include "map/mapper.h"
 #include "map/place_ages.h"
@@ -43,40 +43,7 @@ CloudStage::Config stageConfig(const Sensor& sensor) {
 Mapper::Config mapperConfig(const Sensor& sensor) {
   Mapper::Config config;
   config.window_s = sensor.is_lidar ? 0.5 : 0.3;
-  config.looks.pass_gap_s = 0.001;
-  config.map.returns_max = 3000000;
   return config;
-}
-
-/// As drivers lay it out: x, y, z and a word beside them, of a lidar the time in nanoseconds.
-sensor_msgs::PointCloud2 messageOf(const Cloud& cloud) {
-  sensor_msgs::PointCloud2 message;
-  message.header.stamp = toRos(cloud.stamp);
-  message.width = static_cast<std::uint32_t>(cloud.width);
-  message.height = static_cast<std::uint32_t>(cloud.height);
-  const auto addField = [&message](const char* name, std::uint32_t offset, std::uint8_t type) {
-    sensor_msgs::PointField field;
-    field.name = name;
-    field.offset = offset;
-    field.datatype = type;
-    field.count = 1;
-    message.fields.push_back(field);
-  };
-  addField("x", 0, sensor_msgs::PointField::FLOAT32);
-  addField("y", 4, sensor_msgs::PointField::FLOAT32);
-  addField("z", 8, sensor_msgs::PointField::FLOAT32);
-  const bool is_timed = !cloud.offsets_s.empty();
-  if (is_timed) addField("t", 12, sensor_msgs::PointField::UINT32);
-  message.point_step = 16;
-  message.row_step = message.point_step * message.width;
-  message.data.resize(16 * cloud.points.size());
-  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
-    std::memcpy(&message.data[16 * i], cloud.points[i].data(), 12);
-    if (!is_timed) continue;
-    const auto t = static_cast<std::uint32_t>(1e9 * static_cast<double>(cloud.offsets_s[i]));
-    std::memcpy(&message.data[16 * i + 12], &t, 4);
-  }
-  return message;
 }
 
 /// All that a cloud goes through, as the nodelets do it.

@@ -155,9 +155,9 @@ std::optional<Time> LookImage::nextLook(const Vector3& p_fixed, double margin_m,
       frame ? timeOf(passes_[grid_.pixelOf(p_fixed - viewpoint_)].front().first) : Time{};
   std::optional<Time> next;
   visitSeen(p_fixed, margin_m, [&](const Pass& pass) {
-    Time due = timeOf(pass.first) + again;
-    // A frame after the one before the newest came the newest itself.
-    if (frame && due <= newest) due += again;
+    const Time due = timeOf(pass.first) + again;
+    // A frame after the one before the newest came the newest, which did not see the place.
+    if (frame && due <= newest) return;
     if (due >= now - late_max && (!next || due < *next)) next = due;
   });
   return next;
