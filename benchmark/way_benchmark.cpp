@@ -41,7 +41,8 @@ constexpr Motion kInContactCommanded{-0.57, "shoulder_pitch_joint", -0.4, -0.4, 
 /// A robot that is measured and checked again and again.
 class Running {
  public:
-  explicit Running(const Motion& motion)
+  /// @param regions to keep out of, posts around the hands, that nothing touches.
+  explicit Running(const Motion& motion, int regions = 0)
       : positions_(model_->variables().size(), 0.0),
         velocities_(positions_.size(), 0.0),
         map_(test::tableMap()),
@@ -51,6 +52,7 @@ class Running {
     velocityOf("left_", motion.joint) = motion.left;
     velocityOf("right_", motion.joint) = motion.right;
     checker_.setRootPose(0, now_, Pose::Identity(), true);
+    for (int i = 0; i < regions; ++i) addPost(i);
     feed();
     if (motion.is_commanded) command();
   }
@@ -93,6 +95,13 @@ class Running {
   }
 
  private:
+  void addPost(int i) {
+    KeepOutRegion post{"post " + std::to_string(i), "", Box{Vector3(0.03, 0.03, 0.5)}};
+    post.T_frame_box.translation() = Vector3(0.95, 0.2 * (i - 3.5), 1.0);
+    post.T_frame_box.rotate(Eigen::AngleAxisd(0.2 * i, Vector3::UnitZ()));
+    checker_.setKeepOut(post);
+  }
+
   double& velocityOf(const std::string& side, const std::string& joint) {
     return velocities_[simulation::variableIndex(*model_, side + joint)];
   }
@@ -113,8 +122,8 @@ class Running {
   std::mt19937 engine_{1};
 };
 
-void checkWay(benchmark::State& state, const Motion& motion) {
-  Running robot(motion);
+void checkWay(benchmark::State& state, const Motion& motion, int regions = 0) {
+  Running robot(motion, regions);
   Latencies latencies;
   const Verdict* verdict = &robot.check();
   double poses = 0.0, way_us = 0.0, clearance_us = 0.0, occlusion_us = 0.0;
@@ -154,8 +163,10 @@ void checkTrajectory(benchmark::State& state, const Motion& motion) {
 }
 
 BENCHMARK_CAPTURE(checkWay, free, kFree);
+BENCHMARK_CAPTURE(checkWay, free_8_regions, kFree, 8);
 BENCHMARK_CAPTURE(checkWay, free_commanded, kFreeCommanded);
 BENCHMARK_CAPTURE(checkWay, near, kNear);
+BENCHMARK_CAPTURE(checkWay, near_8_regions, kNear, 8);
 BENCHMARK_CAPTURE(checkWay, near_commanded, kNearCommanded);
 BENCHMARK_CAPTURE(checkWay, in_contact, kInContact);
 BENCHMARK_CAPTURE(checkWay, in_contact_commanded, kInContactCommanded);

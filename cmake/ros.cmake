@@ -6,16 +6,19 @@ if(NOT CATKIN_DEVEL_PREFIX)
   file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/devel/lib/python3/dist-packages)
 endif()
 find_package(catkin REQUIRED COMPONENTS
-  diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs message_generation nodelet
-  pcl_conversions pluginlib rosbag_storage roscpp rosgraph_msgs roslib
+  actionlib actionlib_msgs diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs
+  message_generation nodelet pcl_conversions pluginlib rosbag_storage roscpp rosgraph_msgs roslib
   sensor_msgs std_msgs std_srvs tf2 tf2_eigen tf2_msgs tf2_ros trajectory_msgs visualization_msgs)
+include(cmake/control_msgs.cmake)
+include(cmake/moveit_msgs.cmake)
 
 add_message_files(FILES
   AttachedObject.msg AttachedObjects.msg CloudScan.msg Cuboid.msg CuboidFlag.msg CuboidMap.msg Exemption.msg
   LinkStatus.msg Looks.msg MonitorStatus.msg MotionPermission.msg Primitive.msg ScanReport.msg)
 add_service_files(FILES
   AddExemption.srv AttachObject.srv CheckState.srv CheckTrajectory.srv DetachObject.srv
-  GetCuboidMap.srv)
+  GetCuboidMap.srv LiftExemption.srv ListExemptions.srv ReportGoal.srv
+  SetKeepOut.srv)
 generate_messages(DEPENDENCIES geometry_msgs sensor_msgs std_msgs trajectory_msgs)
 
 find_package(Eigen3 REQUIRED)  # says where it is as EIGEN3_INCLUDE_DIRS

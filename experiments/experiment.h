@@ -153,5 +153,6 @@ template <typename Options>
 [[nodiscard]] Experiment updatesExperiment(CLI::App& app);
 [[nodiscard]] Experiment governedExperiment(CLI::App& app);
 [[nodiscard]] Experiment dynamicExperiment(CLI::App& app);
+[[nodiscard]] Experiment goalsExperiment(CLI::App& app);
 
 }  // namespace tccm::simulation

@@ -14,7 +14,8 @@ constexpr About kAbout = {
     "hands", "a person's hand reaches for the robot's from side and behind",
     R"(A person's hand reaches for the robot's while that moves over a table, from 0.4 m away, from
 the side or from behind. Who reaches for a robot touches it in the end: what counts is
-whether the permission went before, and whether the arm stood by then. No limits.)"};
+whether the permission went before, and whether the arm stood by then. Where the hand touches the arm as it appears, or the
+arm does not start, the trial does not count. No limits.)"};
 
 constexpr double kRest = 0.005;  // [m/s]; a palm that is slower stands
 
@@ -65,6 +66,12 @@ struct Case {
   double speed_mps;
   StoppingTrial::Result result;
 
+  /// The hand came, and did not touch the arm from the first on.
+  [[nodiscard]] bool begun() const {
+    constexpr double kAtOnce = 0.01;  // [s]
+    return result.outcome != Outcome::kNotStarted &&
+           (!result.contact_s || *result.contact_s > kAtOnce);
+  }
   [[nodiscard]] bool touched() const { return result.outcome == Outcome::kTouched; }
   [[nodiscard]] bool seen() const {
     return result.beam_s && (!result.contact_s || *result.beam_s < *result.contact_s);
@@ -112,11 +119,16 @@ std::string rowOf(const Case& one) {
 
 /// Of cases that share a period, a side and a speed of the person's hand.
 struct Tally {
+  std::size_t not_begun = 0;  ///< these do not count
   std::size_t trials = 0, seen = 0, seen_early = 0, early_unstopped = 0, stopped = 0, touched = 0,
               touched_in_motion = 0;
   double fastest_contact_mps = 0.0;
 
   void add(const Case& one) {
+    if (!one.begun()) {
+      ++not_begun;
+      return;
+    }
     ++trials;
     seen += one.seen() ? 1 : 0;
     seen_early += one.seenEarly() ? 1 : 0;
@@ -150,6 +162,7 @@ Findings findingsOf(const std::vector<Case>& cases, const HandsOptions& options)
                                          {"from", one.side->name},
                                          {"hand_mps", one.hand_mps},
                                          {"trials", tally.trials},
+                                         {"not_begun", tally.not_begun},
                                          {"seen_before_contact", tally.seen},
                                          {"seen_two_frames_before", tally.seen_early},
                                          {"of_these_not_stopped", tally.early_unstopped},

@@ -56,6 +56,12 @@ NodeletGuardian::NodeletGuardian(Time start)
   }
 }
 
+void NodeletGuardian::pause() {
+  publishClock(now_);
+  ros::spinOnce();
+  ros::WallDuration(0.01).sleep();
+}
+
 Time NodeletGuardian::nextStart() const { return now_ + kBetween; }
 
 void NodeletGuardian::publishClock(Time now) {

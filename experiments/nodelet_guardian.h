@@ -17,6 +17,8 @@ class NodeletGuardian : public Guardian {
   /// or no nodelet that gives a permission.
   explicit NodeletGuardian(Time start);
 
+  /// For others that need the clock before a simulation begins.
+  void pause();
   Word watch(const Simulator& simulator, const StepOutput& output) override;
   /// When the next simulation is to start: later than what the nodelets have heard of.
   [[nodiscard]] Time nextStart() const;

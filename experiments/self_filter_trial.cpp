@@ -121,7 +121,7 @@ void SelfFilterTrial::countPoints(const MappedCloud& mapped) {
   const Cloud& cloud = mapped.cloud.cloud;
   std::vector<PointLedger::Entry> entries;
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
-    if (!isMeasured(cloud.points[i])) continue;
+    if (!isMeasured(cloud.points[i]) || mapped.kinds[i] == BeamKind::kThinned) continue;
     count(sourceOf(mapped.cloud.truth[i].beam()), mapped.kinds[i], mapped.p_fixed[i], entries);
   }
   ledgers_[mapped.sensor].add(std::move(entries),
@@ -151,6 +151,7 @@ SourceCounts SelfFilterTrial::supportersOf(const Verdict& verdict) {
     for (const Contact& contact : *contacts) cuboids.insert(contact.cuboid);
   }
   if (verdict.first_contact) cuboids.insert(verdict.first_contact->contact.cuboid);
+  if (verdict.approached) cuboids.insert(verdict.approached->cuboid);
   const Monitor& monitor = simulation_.monitor();
   const CuboidMap& map = *monitor.checker().map();
   const double height_m = monitor.checker().config().pose.collision.support_height_m;
@@ -171,6 +172,8 @@ FalseContact SelfFilterTrial::contactOf(const Verdict& verdict) {
       verdict.now.collision ? verdict.now.contacts : verdict.ahead.contacts;
   if (!first.empty()) {
     contact.link = model.linkOf(first.front().shape);
+  } else if (verdict.approached) {
+    contact.link = model.linkOf(verdict.approached->shape);
   } else if (verdict.first_contact) {
     contact.link = model.linkOf(verdict.first_contact->contact.shape);
   }
@@ -195,8 +198,9 @@ void SelfFilterTrial::noteContacts(const Verdict& verdict) {
 }
 
 void SelfFilterTrial::notePermission(const Verdict& verdict) {
-  const bool for_contact =
-      verdict.reason == Reason::kCollision || verdict.reason == Reason::kCollisionAhead;
+  const bool for_contact = verdict.reason == Reason::kCollision ||
+                           verdict.reason == Reason::kCollisionAhead ||
+                           verdict.reason == Reason::kApproached;
   const double elapsed_s = toSeconds(verdict.stamp - std::exchange(last_check_, verdict.stamp));
   if (permitted_) tally_.permitted_s += elapsed_s;
   if (permitted_ && !verdict.stop && for_contact) tally_.slowed_s += elapsed_s;

@@ -11,11 +11,15 @@ namespace {
 void setUp(SensorKind kind, const CloudSensors::Config& clouds, SensorConfig& sensor) {
   constexpr double kCameraWindow = 0.3, kLidarWindow = 0.5;  // [s]
   constexpr double kLidarBlock = 0.035;                      // [rad]
+  constexpr std::size_t kCameraSupport = 4;                  // returns around what is held
   if (kind == SensorKind::kLaser) return;
   CloudStage::Config& cloud = sensor.cloud_assembler.emplace().cloud;
   Mapper::Config& mapper = sensor.mapper.mapper;
   mapper.window_s = kind == SensorKind::kCamera ? kCameraWindow : kLidarWindow;
-  if (kind == SensorKind::kCamera) return;
+  if (kind == SensorKind::kCamera) {
+    mapper.hold.support_points = kCameraSupport;
+    return;
+  }
   cloud.noise = {clouds.lidar.noise_m, 0.0};
   cloud.looks.block_rad = kLidarBlock;
 }

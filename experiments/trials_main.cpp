@@ -108,10 +108,10 @@ int main(int argc, char** argv) {
   TrialOptions options;
   declare(app, options);
   const std::vector<Experiment> experiments = {
-      stoppingExperiment(app),   hoverExperiment(app),   visibilityExperiment(app),
-      governedExperiment(app),   handsExperiment(app),   falseStopsExperiment(app),
-      occlusionExperiment(app),  updatesExperiment(app), dynamicExperiment(app),
-      smallObjectExperiment(app)};
+      stoppingExperiment(app),    hoverExperiment(app),   visibilityExperiment(app),
+      governedExperiment(app),    handsExperiment(app),   falseStopsExperiment(app),
+      occlusionExperiment(app),   updatesExperiment(app), dynamicExperiment(app),
+      smallObjectExperiment(app), goalsExperiment(app)};
   std::vector<std::string> arguments;  // roslaunch adds some of its own
   ros::removeROSArgs(argc, argv, arguments);
   return tccm::runProgram(app, arguments, [&] { return run(chosen(experiments), options); });

@@ -158,7 +158,7 @@ Findings runVisibility(VisibilityOptions options, const TrialRun& run) {
 }  // namespace
 
 Experiment visibilityExperiment(CLI::App& app) {
-  return experiment(app, kAbout, declare, runVisibility);
+  return experiment(app, kAbout, declare, runVisibility, VisibilityOptions());
 }
 
 }  // namespace tccm::simulation

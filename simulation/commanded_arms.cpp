@@ -38,14 +38,32 @@ CommandedArms::CommandedArms(const Config& config, std::shared_ptr<const RobotMo
       model_(std::move(model)),
       positions_(std::move(positions)),
       velocities_(positions_.size(), 0.0),
+      has_controller_(positions_.size(), false),
       now_(now) {
   config_.validate();
+  addControlled(now);
+}
+
+void CommandedArms::addControlled(Time now) {
+  for (const ControlledArm::Config& arm : config_.controlled) {
+    for (const std::size_t variable :
+         controlled_.emplace_back(arm, model_, positions_, now).variables()) {
+      const std::string& joint = model_->variables()[variable].name;
+      if (!isArmJoint(joint)) throw ConfigError("joints: '" + joint + "' is no joint of the arms");
+      if (has_controller_[variable]) {
+        throw ConfigError("joints: '" + joint + "' has two controllers");
+      }
+      has_controller_[variable] = true;
+    }
+  }
 }
 
 std::string CommandedArms::defectOf(const ArmCommand& command) const {
   std::set<std::string> names;
   for (const std::string& joint : command.joints) {
-    if (!variableOf(*model_, joint)) return "'" + joint + "' is no joint of the arms";
+    const std::optional<std::size_t> variable = variableOf(*model_, joint);
+    if (!variable) return "'" + joint + "' is no joint of the arms";
+    if (has_controller_[*variable]) return "'" + joint + "' has a controller of its own";
     if (!names.insert(joint).second) return "'" + joint + "' is named twice";
   }
   Duration before{-1};
@@ -91,6 +109,7 @@ void CommandedArms::step(Time now) {
     follow(end);
     brake_s = toSeconds(now - end);
   }
+  stepControlled(now, followed);
   for (const std::size_t variable : driven_) {
     followed[variable] = true;
     brake(variable, brake_s);
@@ -103,6 +122,19 @@ void CommandedArms::step(Time now) {
   if (knots_.empty() || now < knots_.back().at) return;
   knots_.clear();
   driven_.clear();
+}
+
+void CommandedArms::stepControlled(Time now, std::vector<bool>& followed) {
+  for (ControlledArm& arm : controlled_) {
+    arm.step(now, positions_, velocities_);
+    for (const std::size_t variable : arm.variables()) followed[variable] = true;
+  }
+}
+
+bool CommandedArms::holds() const {
+  return knots_.empty() &&
+         std::none_of(controlled_.begin(), controlled_.end(),
+                      [](const ControlledArm& arm) { return arm.controller().follows(); });
 }
 
 bool CommandedArms::moves() const {

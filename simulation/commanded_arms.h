@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "simulation/controlled_arm.h"
 #include "tccm_monitor/robot_model.h"
 #include "tccm_monitor/time.h"
 
@@ -24,11 +25,13 @@ struct ArmCommand {
 /// Both arms' joints, as ros_controllers' JointTrajectoryController drives them: a new command
 /// replaces the one before from where the arms are, whatever they were doing; between points with
 /// velocities the way is cubic, else straight. Joints that a command leaves out, and all of them
-/// after its end and after an empty one, are braked, and hold.
+/// after its end and after an empty one, are braked, and hold. Arms may have controllers of their
+/// own: then nothing else drives their joints.
 class CommandedArms {
  public:
   struct Config {
-    double deceleration_rps2 = 6.0;  ///< of each joint when it is braked
+    double deceleration_rps2 = 6.0;                      ///< of each joint when it is braked
+    std::vector<ControlledArm::Config> controlled = {};  ///< arms with controllers of their own
 
     /// @throws ConfigError
     void validate() const;
@@ -44,10 +47,13 @@ class CommandedArms {
   /// @param now not before that of earlier calls.
   void step(Time now);
 
+  /// In the order of the configuration.
+  [[nodiscard]] std::vector<ControlledArm>& controlled() { return controlled_; }
+  [[nodiscard]] const std::vector<ControlledArm>& controlled() const { return controlled_; }
   [[nodiscard]] const std::vector<double>& positions() const { return positions_; }    ///< [rad]
   [[nodiscard]] const std::vector<double>& velocities() const { return velocities_; }  ///< [rad/s]
   /// Braking or holding: no command is being followed.
-  [[nodiscard]] bool holds() const { return knots_.empty(); }
+  [[nodiscard]] bool holds() const;
   [[nodiscard]] bool moves() const;
 
  private:
@@ -57,7 +63,9 @@ class CommandedArms {
     std::vector<double> positions;
     std::vector<double> velocities;  ///< or empty
   };
+  void addControlled(Time now);
   [[nodiscard]] std::string defectOf(const ArmCommand& command) const;
+  void stepControlled(Time now, std::vector<bool>& followed);
   void follow(Time until);
   void keepWithinLimits();
   void brake(std::size_t variable, double elapsed_s);
@@ -66,8 +74,10 @@ class CommandedArms {
   std::shared_ptr<const RobotModel> model_;
   std::vector<double> positions_;
   std::vector<double> velocities_;
-  std::vector<std::size_t> driven_;  ///< variables that the command names
-  std::vector<Knot> knots_;          ///< rising in time, the first not after now; or none
+  std::vector<ControlledArm> controlled_;
+  std::vector<bool> has_controller_;  ///< one for each variable
+  std::vector<std::size_t> driven_;   ///< variables that the command names
+  std::vector<Knot> knots_;           ///< rising in time, the first not after now; or none
   Time now_;
 };
 

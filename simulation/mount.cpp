@@ -55,7 +55,7 @@ Mount cameraMount(const std::string& place) {
     return {"head_roll_link", lookingAt({0.1, 0.14, 0.08}, {0.6, 0.0, -0.5}, up)};
   }
   if (place == "side") {
-    return {"base_link", lookingAt({0.1, -1.5, 1.7}, {0.45, -0.15, 0.95}, up)};
+    return {"base_link", lookingAt({0.9, -1.0, 2.2}, {0.4, 0.0, 0.9}, up)};
   }
   throw ConfigError("camera: " + place + " is none of chest, wrist, head, side");
 }

@@ -1,12 +1,19 @@
 #include <ros/ros.h>
 #include <rosgraph_msgs/Clock.h>
 #include <std_msgs/Bool.h>
+#include <std_msgs/Float64.h>
 #include <std_msgs/String.h>
 
+#include <algorithm>
+#include <deque>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "ros/controller_parameters.h"
+#include "ros/server_config.h"
+#include "simulation/controller_server.h"
 #include "simulation/messages.h"
+#include "simulation/robot/dual_arm.h"
 #include "simulation/simulator.h"
 #include "tccm_monitor/config_error.h"
 
@@ -19,6 +26,7 @@ class SimulationNode {
  public:
   struct Config {
     Simulator::Config simulator;
+    std::vector<std::string> controllers;  ///< of the arms that have one: names
     bool publish_clock = false;
     double duration_s = 0.0;  ///< 0: until shut down
   };
@@ -35,6 +43,11 @@ class SimulationNode {
     if (config.simulator.motion == kCommanded) {
       command_ = node.subscribe("command", 10, &SimulationNode::hearCommand, this,
                                 ros::TransportHints().tcpNoDelay());
+      for (std::size_t arm = 0; arm < config.controllers.size(); ++arm) {
+        controllers_.emplace_back(ros::NodeHandle(config.controllers[arm]),
+                                  simulator_.armController(arm));
+      }
+      slider_ = node.subscribe("simulation/speed_slider", 10, &SimulationNode::hearSlider, this);
     } else {
       stop_ = node.subscribe("stop", 1, &SimulationNode::hearStop, this);
     }
@@ -92,6 +105,10 @@ class SimulationNode {
     if (!defect.empty()) ROS_WARN_THROTTLE(1.0, "A command is not taken: %s.", defect.c_str());
   }
 
+  void hearSlider(const std_msgs::Float64& message) {
+    simulator_.setArmsSpeedScale(std::clamp(message.data, 0.0, 1.0));
+  }
+
   void hearTiltFault(const std_msgs::String& message) {
     try {
       simulator_.setTiltFault(tiltFault(message.data));
@@ -109,6 +126,7 @@ class SimulationNode {
   void step() {
     simulator_.setStop(stopped());
     const StepOutput output = simulator_.step();
+    for (ControllerServer& controller : controllers_) controller.report(simulator_.now());
     if (config_.publish_clock && (output.robot || output.scan)) {
       rosgraph_msgs::Clock clock;
       clock.clock = toRos(simulator_.now());
@@ -182,6 +200,8 @@ class SimulationNode {
   ros::Subscriber stop_;
   ros::Subscriber command_;
   ros::Subscriber tilt_fault_;
+  ros::Subscriber slider_;
+  std::deque<ControllerServer> controllers_;
 };
 
 /// At commas.
@@ -190,6 +210,22 @@ std::vector<std::string> split(const std::string& list) {
   std::istringstream stream(list);
   for (std::string entry; std::getline(stream, entry, ',');) entries.push_back(entry);
   return entries;
+}
+
+/// Each reads its parameters in the namespace of its name, as on a robot.
+void loadControllers(const ros::NodeHandle& node, SimulationNode::Config& config) {
+  double lag_s = 0.0;
+  node.param("joint_lag_s", lag_s, lag_s);
+  node.param("controllers", config.controllers, config.controllers);
+  if (!config.controllers.empty() && config.simulator.motion != kCommanded) {
+    throw ConfigError("controllers: they need the motion 'commanded'");
+  }
+  for (const std::string& name : config.controllers) {
+    const ControllerParameters parameters =
+        ControllerParameters::from(parametersOf(ros::NodeHandle(name)), name, *dualArm());
+    config.simulator.commanded.controlled.push_back(
+        {{parameters.rules, parameters.stop_duration_s}, lag_s});
+  }
 }
 
 SimulationNode::Config load(const ros::NodeHandle& node) {
@@ -216,6 +252,7 @@ SimulationNode::Config load(const ros::NodeHandle& node) {
   node.param("speed_mps", s.controller.speed_mps, s.controller.speed_mps);
   node.param("commanded_deceleration_rps2", s.commanded.deceleration_rps2,
              s.commanded.deceleration_rps2);
+  loadControllers(node, config);
   node.param("seed", seed, seed);
   node.param("noise_m", s.scanner.noise_m, s.scanner.noise_m);
   node.param("tilt_fault", tilt_fault, tilt_fault);

@@ -154,10 +154,21 @@ void Simulator::moveArms() {
   const bool moved = armsMove();
   if (commanded_) {
     commanded_->step(now_);
+    noteStops();
   } else {
     controller_.step(now_, stop_);
   }
   if (armsBrake() && moved && !armsMove()) truth_.halted = now_;
+}
+
+/// Of arms that have controllers.
+void Simulator::noteStops() {
+  for (const ControlledArm& arm : commanded_->controlled()) {
+    const std::optional<Time> since = arm.controller().stoppingSince();
+    if (since && (!truth_.stop_asserted || *truth_.stop_asserted < *since)) {
+      truth_.stop_asserted = since;
+    }
+  }
 }
 
 bool Simulator::armsMove() const {

@@ -103,6 +103,15 @@ class Simulator {
   /// From now on. @return empty, or in one line why the command is not taken. @pre the motion is
   /// kCommanded
   [[nodiscard]] std::string command(const ArmCommand& command);
+  /// That of one of the arms which have one, in the order of the configuration. @pre the motion is
+  /// kCommanded
+  [[nodiscard]] TrajectoryController& armController(std::size_t arm) {
+    return commanded_->controlled()[arm].controller();
+  }
+  /// Of all arms that have controllers. @param scale from 0 to 1. @pre the motion is kCommanded
+  void setArmsSpeedScale(double scale) {
+    for (ControlledArm& arm : commanded_->controlled()) arm.setSpeedScale(scale);
+  }
 
   [[nodiscard]] Time now() const { return now_; }
   [[nodiscard]] const RobotModel& model() const { return *model_; }
@@ -113,6 +122,7 @@ class Simulator {
 
  private:
   void moveArms();
+  void noteStops();
   [[nodiscard]] bool armsMove() const;
   [[nodiscard]] bool armsBrake() const;
   [[nodiscard]] std::vector<double> joints() const;

@@ -214,6 +214,8 @@ MonitorConfig readMonitorConfig(const std::string& path) {
                       "collision_checker/sensors, and give it a section of that name");
   }
   requireOneFrame(config);
+  double& stop_duration_s = config.checker.checker.braking.stop_duration_s;
+  stop_duration_s = std::max(stop_duration_s, config.gate.stopDurationMax());
   config.checker.checker.inputs.fixed_frame = config.checker.fixed_frame;
   return config;
 }

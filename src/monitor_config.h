@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "check/checker_config.h"
+#include "gate/gate_config.h"
 #include "map/mapper.h"
 #include "scan/cloud_stage.h"
 #include "scan/scan_stage.h"
@@ -121,6 +122,7 @@ struct MonitorConfig {
   CloudAssemblerConfig cloud_assembler;
   MapperConfig mapper;
   CheckerConfig checker;
+  GateConfig gate;
   TopicConfig topics;
 
   std::vector<SensorConfig> named_sensors;  ///< none: there is one, `assembler` and `mapper`
@@ -141,7 +143,9 @@ struct MonitorConfig {
           "private parameters of the nodelet CloudAssembler");
     visit(SensorConfig::kMapper, mapper, "private parameters of the nodelet TccmMapper");
     visit("collision_checker", checker, "private parameters of the nodelet CollisionChecker");
+    visit(kGateSection, gate, "private parameters of the nodelet TrajectoryGate");
   }
+  static constexpr const char* kGateSection = "trajectory_gate";
   /// Name of the section, and of the namespace, that all nodelets share.
   static constexpr const char* kRobotSection = "monitored_robot";
 };

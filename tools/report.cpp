@@ -35,7 +35,7 @@ Json pointsOf(const ScanTotals& totals) {
   const auto of = [&totals](BeamKind kind) { return totals.beams[static_cast<std::size_t>(kind)]; };
   const std::size_t overflowed =
       of(BeamKind::kReturn) - totals.points_mapped - totals.points_out_of_area;
-  return {
+  Json json = {
       {"measured", std::accumulate(totals.beams.begin(), totals.beams.end(), std::size_t{0})},
       {"out_of_range", of(BeamKind::kNoReturn) + of(BeamKind::kTooClose) + of(BeamKind::kUnknown)},
       {"mixed_pixel", of(BeamKind::kMixedPixel)},
@@ -44,6 +44,8 @@ Json pointsOf(const ScanTotals& totals) {
       {"out_of_area", totals.points_out_of_area},
       {"mapped", totals.points_mapped},
       {"overflowed", overflowed}};
+  if (of(BeamKind::kThinned) > 0) json["thinned"] = of(BeamKind::kThinned);  // a laser's never are
+  return json;
 }
 
 Json cuboidsOf(const ScanTotals& totals) {

@@ -73,7 +73,30 @@ class Checker {
   [[nodiscard]] const std::vector<AttachedObject>& attached() const;
   /// @throws ConfigError, and nothing changes. @param duration_s 0 ends one of the same owner.
   void addExemption(Time now, const Exemption& exemption, double duration_s);
+  /// @param link empty: all of that owner. @return how many have ended.
+  std::size_t liftExemptions(const std::string& owner, const std::string& link);
+  /// A goal of an owner begins or ends, and exemptions with it. @param goal empty at the end: all
+  /// of that owner. @throws ConfigError where a name is missing.
+  void reportGoal(Time now, const std::string& owner, const std::string& goal, bool under_way);
+  /// The frames of exemptions that transforms have to place, in the fixed frame.
+  [[nodiscard]] std::vector<std::string> exemptFrames() const;
+  void setExemptFrame(const std::string& frame, Time stamp, const Pose& T_fixed_frame,
+                      bool is_static);
+  /// Ends those whose time is over, and looks which are in force, as each check and question does.
+  void updateExemptions(Time now);
   [[nodiscard]] const std::vector<Exemption>& exemptions() const;
+  /// No link may enter it from now on; one of the same name is replaced. It stays, whatever time
+  /// does. @throws ConfigError, and nothing changes; also for one of the configuration.
+  void setKeepOut(const KeepOutRegion& region);
+  /// @throws ConfigError where there is none of that name, or it is of the configuration.
+  void removeKeepOut(const std::string& name);
+  /// Frames are as transforms call them.
+  [[nodiscard]] const std::vector<KeepOutRegion>& keepOut() const;
+  /// Why one of them is not in force; empty where it is.
+  [[nodiscard]] std::string whyNotInForce(const Exemption& exemption) const;
+  /// Where the region of one of them is in the fixed frame, with the robot as the last check found
+  /// it; nothing where that is not known. @param index into exemptions().
+  [[nodiscard]] std::optional<Pose> regionPose(std::size_t index) const;
   /// Where a link is in the fixed frame; nothing where the model lacks it, or joints or root are
   /// missing or too old.
   [[nodiscard]] std::optional<Pose> linkPose(Time now, const std::string& link);

@@ -84,15 +84,23 @@ class Grid {
   };
   [[nodiscard]] Footprint footprint(const UprightBox& box) const;
 
-  /// Hands the 3 x 3 cells around a cell to visit, itself included, those beyond the area left out.
+  /// Hands the rows of the 3 x 3 cells around a cell to visit(first, last), itself included, those
+  /// beyond the area left out.
+  template <typename Visit>
+  void visitRowsAround(CellIndex cell, Visit&& visit) const {
+    const CellIndex ix = cell % cells_x_, iy = cell / cells_x_;
+    const CellIndex left = ix - std::min(ix, 1U);
+    const CellIndex right = std::min(ix + 1, cells_x_ - 1);
+    for (CellIndex y = iy - std::min(iy, 1U); y < std::min(iy + 2, cells_y_); ++y) {
+      visit(y * cells_x_ + left, y * cells_x_ + right);
+    }
+  }
+  /// Hands each of these cells to visit.
   template <typename Visit>
   void visitAround(CellIndex cell, Visit&& visit) const {
-    const CellIndex ix = cell % cells_x_, iy = cell / cells_x_;
-    for (CellIndex y = iy - std::min(iy, 1U); y < std::min(iy + 2, cells_y_); ++y) {
-      for (CellIndex x = ix - std::min(ix, 1U); x < std::min(ix + 2, cells_x_); ++x) {
-        visit(y * cells_x_ + x);
-      }
-    }
+    visitRowsAround(cell, [&visit](CellIndex first, CellIndex last) {
+      for (CellIndex c = first; c <= last; ++c) visit(c);
+    });
   }
 
   [[nodiscard]] bool operator==(const Grid& other) const;
@@ -133,6 +141,7 @@ struct Cuboid {
   std::uint32_t dyn = 0;
   /// It left the window, but nobody looked at its place since: no part of the live map.
   bool held = false;
+  bool appeared = false;        ///< a moment ago its place was seen free
   std::uint32_t unseen_ms = 0;  ///< since it was seen last, at the map's stamp
 };
 
@@ -153,6 +162,7 @@ struct CuboidMap {
   /// The share of the returns inside the area that was taken for the robot, over the last period of
   /// the tilt; nothing where it is not known, or fewer than 50 a scan lie inside.
   std::optional<double> self_share = {};
+  std::uint32_t appeared = 0;           ///< cuboids that have
   Height thickness = 0;                 ///< d0, quanta
   Vector3 viewpoint = Vector3::Zero();  ///< the sensor's origin at the newest beam, fixed frame [m]
   LookImage looks;                      ///< where the sensor looked, and how far it saw

@@ -42,8 +42,9 @@ enum class BeamKind : std::uint8_t {
   kMixedPixel,  ///< between two surfaces (paper, section VI.A, Fig. 12 left)
   kSelf,        ///< in or near the robot's own body (Fig. 12 right)
   kShadow,      ///< behind the edge of the robot's body (Fig. 12 right)
+  kThinned,     ///< of a cloud, so near to others that these stand for it
 };
-constexpr std::size_t kBeamKinds = 7;
+constexpr std::size_t kBeamKinds = 8;
 using BeamCounts = std::array<std::size_t, kBeamKinds>;  ///< indexed by BeamKind
 
 }  // namespace tccm

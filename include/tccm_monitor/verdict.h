@@ -27,7 +27,10 @@ enum class Reason : std::uint8_t {
   kEvidenceOld,     ///< the sensor looks no more where a link is
   kOcclusionAhead,  ///< at the end of the way ahead
   kOcclusion,
+  kApproached,      ///< what was not there a moment ago is near
+  kKeepOutAhead,    ///< a link enters a region to keep out of, on the way ahead
   kCollisionAhead,  ///< on the way ahead
+  kKeepOut,         ///< a link is in a region to keep out of
   kCollision,
   kBadTrajectory,      ///< what was commanded cannot be understood
   kMapOverflow,        ///< points were left out of the map
@@ -94,10 +97,10 @@ struct Cause {
   }
 };
 
-/// A primitive and a cuboid that have a point in common.
+/// A primitive and a cuboid, or a region to keep out of, that have a point in common.
 struct Contact {
   std::uint32_t shape;   ///< index into the body's shapes; of findings into the model's
-  std::uint32_t cuboid;  ///< index into the map's cuboids
+  std::uint32_t cuboid;  ///< index into the map's cuboids, or into the regions
 };
 
 /// How much of one link the sensor can see. The fractions are of its silhouette and add up to 1.
@@ -111,10 +114,11 @@ struct LinkVisibility {
 
 /// What is found at one pose of the robot.
 struct PoseFindings {
-  std::vector<Contact> contacts;
+  std::vector<Contact> contacts;                 ///< with the map
+  std::vector<Contact> keep_out;                 ///< with regions to keep out of
   std::vector<LinkVisibility> links;             ///< of the links watched for occlusion
   std::vector<std::uint32_t> occluding_cuboids;  ///< indices into the map's cuboids
-  bool collision = false;
+  bool collision = false;                        ///< with the map
   bool occlusion = false;
 };
 
@@ -127,12 +131,13 @@ struct WayContact {
   bool by_margin = false;       ///< only the margin for its speed touches
 };
 
-/// How near a link is to the map.
+/// How near a link is to the map, or to a region to keep out of.
 struct LinkClearance {
   std::size_t link = 0;  ///< index into the model's links
-  /// Of the primitives without padding; infinite where no cuboid lies within the radius.
+  /// Of the primitives without padding; infinite where neither lies within the radius.
   double distance_m = std::numeric_limits<double>::infinity();
-  std::uint32_t cuboid = 0;  ///< the nearest, where the distance is finite
+  std::uint32_t cuboid = 0;  ///< the nearest, or the region, where the distance is finite
+  bool is_region = false;    ///< what is nearest
 };
 
 /// One answer: may the robot go on?
@@ -142,6 +147,7 @@ struct Verdict {
   std::uint32_t serial = 0;  ///< of the newest scan in the map; 0 where there is none
   bool collision = false;    ///< now or ahead, as found in this check
   bool occlusion = false;
+  bool keep_out = false;  ///< a link is in a region to keep out of, now or ahead
   /// The flags rest on a whole map and fresh input; where false, their false does not mean free.
   bool known = false;
   bool placed = false;  ///< now and ahead are of this check: map, joints and root were all there
@@ -155,8 +161,10 @@ struct Verdict {
   std::vector<Reason> reasons;
   Reason latched = Reason::kClear;  ///< what only a reset lifts
   PoseFindings now;
-  PoseFindings ahead;                          ///< at the end of the way ahead
-  std::optional<WayContact> first_contact;     ///< the gravest of all ways; from now on, at 0 s
+  PoseFindings ahead;                       ///< at the end of the way ahead
+  std::optional<WayContact> first_contact;  ///< the gravest of all ways; from now on, at 0 s
+  /// What has appeared near the robot: no contact, but within approach_distance_m.
+  std::optional<Contact> approached = {};
   bool follows_trajectory = false;             ///< a commanded trajectory is one of the ways
   std::size_t way_poses = 0;                   ///< looked at between now and the end
   std::vector<LinkClearance> clearances = {};  ///< of the links with collision primitives
@@ -180,10 +188,32 @@ struct ScanReport {
 
 /// For a while a link may touch what lies in a region: to grasp, to dock.
 struct Exemption {
+  enum class State {
+    kInForce,
+    kAwaitsGoal,   ///< no goal of its owner is under way
+    kNoTransform,  ///< its frame was never heard of
+    kTransformOld,
+    kTransformOfFuture,
+  };
   std::string owner;
   std::string link;    ///< name, or a pattern that means one link
-  PlacedShape region;  ///< in the fixed frame
-  Time until;
+  PlacedShape region;  ///< in its frame
+  Time until;          ///< while it waits for a goal: it lapses then
+  /// That the region moves with: a link of the robot, or one that transforms place; empty: the
+  /// fixed frame.
+  std::string frame = {};
+  bool with_goal = false;  ///< in force only while a goal of its owner is under way
+  State state = State::kInForce;
+  Duration transform_age{0};  ///< of its frame, where transforms place it
+};
+
+/// A box that no link may enter, named.
+struct KeepOutRegion {
+  std::string name;
+  /// A link that no joint moves, by its name or as transforms call it; empty: the fixed frame.
+  std::string frame;
+  Box box;
+  Pose T_frame_box = Pose::Identity();
 };
 
 /// May the robot be in a state?
@@ -197,8 +227,9 @@ struct TrajectoryAnswer {
   Cause cause;                       ///< CLEAR: all of it is free
   std::optional<std::size_t> index;  ///< of the waypoint at the end of the stretch concerned
   double time_s = 0.0;               ///< of the first violation, from the trajectory's start
-  std::optional<Contact> contact;
-  /// At each waypoint, of all links to the nearest cuboid [m]; infinite beyond the radius.
+  std::optional<Contact> contact;    ///< with the map
+  /// At each waypoint, of all links to the nearest cuboid or region [m]; infinite beyond the
+  /// radius.
   std::vector<double> clearances_m;
 };
 

@@ -5,18 +5,10 @@
 
 #include "base/line_of.h"
 #include "geometry/overlap.h"
+#include "robot/link_mounts.h"
 
 namespace tccm {
 namespace {
-
-/// Of each link, whether it moves against its root.
-std::vector<bool> linksThatMove(const RobotModel& model) {
-  std::vector<bool> moves(model.links().size(), false);
-  for (const RobotJoint& joint : model.joints()) {  // parents first
-    moves[joint.child] = moves[joint.parent] || joint.motion != RobotJoint::Motion::kFixed;
-  }
-  return moves;
-}
 
 std::string textOf(const std::string& link, const Vector3& p_fixed, const UprightBox& area,
                    const std::string& fixed_frame) {
@@ -32,10 +24,10 @@ std::string textOf(const std::string& link, const Vector3& p_fixed, const Uprigh
 
 AreaCheck::AreaCheck(std::shared_ptr<const CheckedRobot> robot) : robot_(std::move(robot)) {
   const RobotModel& model = *robot_->model;
-  const std::vector<bool> moves = linksThatMove(model);
+  const std::vector<LinkMount> mounts = linkMounts(model);
   const std::vector<std::size_t>& checked = robot_->collision_body.shapes;
   std::copy_if(checked.begin(), checked.end(), std::back_inserter(moved_),
-               [&](std::size_t shape) { return moves[model.shapes()[shape].link]; });
+               [&](std::size_t shape) { return mounts[model.shapes()[shape].link].moves; });
 }
 
 Cause AreaCheck::judge(const Grid& grid, const Posture& posture, bool roots_move,

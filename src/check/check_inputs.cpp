@@ -36,10 +36,10 @@ void CheckInputs::Config::describe(ParameterTable& table) {
   table.add("joint_timeout_s", &joint_timeout_s, "s", {0.001, 10.0},
             "age of the joint heard of least recently");
   table.add("transform_timeout_s", &transform_timeout_s, "s", {0.001, 10.0},
-            "age of the root's pose in the fixed frame");
+            "age of the root's pose in the fixed frame, and of frames that exemptions are in");
   Limits::describe(table);
   table.add("transform_future_max_s", &transform_future_max_s, "s", {0.0, 10.0},
-            "the root's pose may lead it by this: many publishers date ahead");
+            "those poses may lead it by this: many publishers date ahead");
   agreement.describe(table);
   table.addList(
       "sensors", sensors,

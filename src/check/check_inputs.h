@@ -75,8 +75,10 @@ class CheckInputs {
   [[nodiscard]] bool rootsMove() const;
   /// Of all sensors, as the last unite() found them; nothing where none has one.
   [[nodiscard]] const CuboidMap* map() const { return maps_.all(); }
-  /// @pre there is one
-  [[nodiscard]] Surroundings around() const { return {*maps_.all(), maps_.each()}; }
+  /// @param keep_out regions, or null. @pre there is a map
+  [[nodiscard]] Surroundings around(const KeepOut* keep_out) const {
+    return {*maps_.all(), maps_.each(), keep_out};
+  }
   [[nodiscard]] const std::vector<SensorInput>& sensors() const { return sensors_; }
   /// What is wrong with a sensor that can be done without; empty where nothing is.
   [[nodiscard]] const std::string& outText(std::size_t sensor) const { return outs_[sensor]; }

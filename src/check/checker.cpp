@@ -7,6 +7,11 @@
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
+namespace {
+
+bool isMilder(const Cause& one, const Cause& other) { return other.isWorseThan(one); }
+
+}  // namespace
 
 void Checker::Config::describe(ParameterTable& table) {
   pose.describe(table);
@@ -14,6 +19,7 @@ void Checker::Config::describe(ParameterTable& table) {
   braking.describe(table);
   evidence.describe(table);
   governed_speed.describe(table);
+  approach.describe(table);
   table.add("clearance_radius_m", &clearance_radius_m, "m", {0.0, 1.0},
             "clearances are measured up to this; 0: not at all");
   trajectory.describe(table);
@@ -21,6 +27,7 @@ void Checker::Config::describe(ParameterTable& table) {
   inputs.describe(table);
   permission.describe(table);
   exemptions.describe(table);
+  keep_out.describe(table);
 }
 
 Judges::Judges(const std::shared_ptr<const RobotModel>& model, const Checker::Config& config)
@@ -30,8 +37,10 @@ Judges::Judges(const std::shared_ptr<const RobotModel>& model, const Checker::Co
       asked(here),
       area(robot),
       contacts(robot, config.way, config.braking),
+      keep_out(robot, config.way, config.braking, ContactJudge::Against::kKeepOut),
       evidence(robot, config.evidence),
       governed_speed(model, config.governed_speed, evidence.shapes()),
+      approach(robot, config.approach),
       trajectory(robot, config.trajectory, config.clearance_radius_m,
                  config.evidence.slow_periods) {
   const std::vector<std::string> missed = selfTest(*robot, asked);
@@ -47,8 +56,11 @@ Checker::Parts::Parts(std::shared_ptr<const RobotModel> model, const Config& new
       inputs(bare_model, config.inputs),
       commanded(bare_model, config.trajectories),
       exemptions(config.exemptions),
+      keep_out(config.keep_out, *bare_model, config.inputs.fixed_frame),
       permission(config.permission),
-      judges(bare_model, config) {}
+      judges(bare_model, config) {
+  keep_out.take(*judges.robot->model, judges.robot->collision_body);
+}
 
 void Checker::Parts::renew(const Config& new_config, std::vector<AttachedObject> objects) {
   auto model = bare_model;
@@ -63,11 +75,21 @@ void Checker::Parts::renew(const Config& new_config, std::vector<AttachedObject>
   attached = std::move(objects);
   judges = std::move(new_judges);
   exempt();
+  keep_out.take(*judges.robot->model, judges.robot->collision_body);
 }
 
 void Checker::Parts::exempt() {
   judges.robot->collision.exempt(
       exemptions.regionsOf(model(), judges.robot->collision_body.shapes));
+}
+
+Exemptions::Limits Checker::Parts::transformLimits() const {
+  return {config.inputs.transform_timeout_s, config.inputs.transform_future_max_s};
+}
+
+void Checker::Parts::updateExemptions(Time now) {
+  if (exemptions.update(now, transformLimits())) exempt();
+  judges.robot->collision.updateRegions(exemptions.regions());
 }
 
 std::vector<AttachedObject> Checker::Parts::attachedBut(const std::string& name) const {
@@ -83,6 +105,8 @@ void Checker::Parts::forgetFindings() {
   verdict.now = {};
   verdict.ahead = {};
   verdict.first_contact.reset();
+  verdict.keep_out = false;
+  verdict.approached.reset();
   verdict.clearances.clear();
   verdict.unseen_fraction = 0.0;
   verdict.placed = verdict.collision = verdict.occlusion = false;
@@ -105,7 +129,7 @@ const Verdict& Checker::Parts::check(Time now) {
   // A clock that is set back by a little goes on from where it was.
   if (started) now = std::max(now, verdict.stamp);
   started = true;
-  if (exemptions.expire(now)) exempt();
+  updateExemptions(now);
   findings.causes.clear();
   findings.touching = {};
   inputs.appendCauses(now, findings.causes);
@@ -134,8 +158,7 @@ const Verdict& Checker::Parts::check(Time now) {
 }
 
 void Checker::Parts::judge(Time now, const JointSnapshot& joints) {
-  const Surroundings around = inputs.around();
-  const CuboidMap& map = around.map;
+  const Surroundings around = this->around();
   Stopwatch stopwatch;
   commanded.follow(now, joints.positions);
   const Ways& ways = commanded.findWays(joints, config.way.horizon_s);
@@ -146,8 +169,8 @@ void Checker::Parts::judge(Time now, const JointSnapshot& joints) {
     findings.causes.push_back(outside);
     verdict.known = findings.known = false;
   }
-  judges.here.findContacts(map, verdict.now);
-  judges.ahead.findContacts(map, verdict.ahead);
+  judges.here.findContacts(around, verdict.now);
+  judges.ahead.findContacts(around, verdict.ahead);
   times.collision_us = stopwatch.lapMicroseconds();
   judges.here.findOcclusion(around, verdict.now);
   judges.ahead.findOcclusion(around, verdict.ahead);
@@ -157,14 +180,17 @@ void Checker::Parts::judge(Time now, const JointSnapshot& joints) {
       now,         around,        joints,         commanded,     judges.here,        judges.ahead,
       verdict.now, verdict.ahead, config.braking, verdict.known, verdict.speed_scale};
   const ContactJudge::Findings& contacts = judges.contacts.judge(situation, findings.causes);
+  const ContactJudge::Findings& keep_out = judges.keep_out.judge(situation, findings.causes);
   times.way_us = stopwatch.lapMicroseconds();
   judgeOcclusion(situation, config.pose.occlusion, config.way.moving_out_scale, findings.causes);
   judges.evidence.judge(situation, findings.causes);
   times.evidence_us = stopwatch.lapMicroseconds();
   judges.governed_speed.judge(situation, findings.causes);
+  verdict.approached = judges.approach.judge(situation, findings.causes);
 
-  findings.touching = contacts.touching;
-  verdict.collision = contacts.collision;
+  findings.touching = std::max(contacts.touching, keep_out.touching, isMilder);
+  verdict.collision = contacts.touches;
+  verdict.keep_out = keep_out.touches;
   verdict.first_contact = contacts.first_contact;
   verdict.way_poses = contacts.poses;
   verdict.occlusion = verdict.now.occlusion || verdict.ahead.occlusion;
@@ -172,8 +198,14 @@ void Checker::Parts::judge(Time now, const JointSnapshot& joints) {
   verdict.governed_scale = judges.governed_speed.limit().scale;
   if (config.clearance_radius_m <= 0.0) return;
   stopwatch.lapMicroseconds();
-  verdict.clearances = judges.here.findClearances(map, config.clearance_radius_m);
+  verdict.clearances = judges.here.findClearances(around, config.clearance_radius_m);
   times.clearance_us = stopwatch.lapMicroseconds();
+}
+
+Surroundings Checker::Parts::around() {
+  if (keep_out.size() == 0) return inputs.around(nullptr);
+  keep_out.place(inputs.rootPoses(), inputs.rootsMove());
+  return inputs.around(&keep_out);
 }
 
 Cause Checker::Parts::outsideArea(const Posture& posture) const {
@@ -250,9 +282,56 @@ const std::vector<AttachedObject>& Checker::attached() const { return parts_->at
 void Checker::addExemption(Time now, const Exemption& exemption, double duration_s) {
   parts_->exemptions.add(now, exemption, duration_s, parts_->model());
   parts_->exempt();
+  parts_->updateExemptions(now);
 }
 
+void Checker::setKeepOut(const KeepOutRegion& region) {
+  parts_->keep_out.set(region, *parts_->bare_model, parts_->config.inputs.fixed_frame);
+  parts_->forgetFindings();
+}
+
+void Checker::removeKeepOut(const std::string& name) {
+  parts_->keep_out.remove(name);
+  parts_->forgetFindings();
+}
+
+const std::vector<KeepOutRegion>& Checker::keepOut() const { return parts_->keep_out.regions(); }
+
+std::size_t Checker::liftExemptions(const std::string& owner, const std::string& link) {
+  const std::size_t lifted = parts_->exemptions.lift(owner, link);
+  parts_->exempt();
+  return lifted;
+}
+
+void Checker::reportGoal(Time now, const std::string& owner, const std::string& goal,
+                         bool under_way) {
+  parts_->exemptions.reportGoal(now, owner, goal, under_way);
+  parts_->exempt();
+  parts_->updateExemptions(now);
+}
+
+std::vector<std::string> Checker::exemptFrames() const { return parts_->exemptions.frames(); }
+
+void Checker::setExemptFrame(const std::string& frame, Time stamp, const Pose& T_fixed_frame,
+                             bool is_static) {
+  parts_->exemptions.setFrame(frame, stamp, T_fixed_frame, is_static);
+}
+
+void Checker::updateExemptions(Time now) { parts_->updateExemptions(now); }
+
 const std::vector<Exemption>& Checker::exemptions() const { return parts_->exemptions.list(); }
+
+std::string Checker::whyNotInForce(const Exemption& exemption) const {
+  return tccm::whyNotInForce(exemption, parts_->transformLimits());
+}
+
+std::optional<Pose> Checker::regionPose(std::size_t index) const {
+  const ExemptRegion& region = parts_->exemptions.regions()[index];
+  if (parts_->exemptions.list()[index].state == Exemption::State::kNoTransform) return std::nullopt;
+  if (!region.link) return region.placed.pose;
+  if (!parts_->verdict.placed) return std::nullopt;
+  return parts_->judges.here.posture().T_fixed_links[*region.link] * region.placed.pose;
+}
 
 const Verdict& Checker::check(Time now) { return parts_->check(now); }
 

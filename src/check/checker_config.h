@@ -1,10 +1,12 @@
 #pragma once
 
+#include "check/approach_check.h"
 #include "check/check_inputs.h"
 #include "check/contact_judge.h"
 #include "check/evidence_check.h"
 #include "check/exemptions.h"
 #include "check/governed_speed.h"
+#include "check/keep_out.h"
 #include "check/permission.h"
 #include "check/trajectory_check.h"
 #include "tccm_monitor/checker.h"
@@ -18,10 +20,12 @@ struct Checker::Config {
   ContactJudge::Config way;
   EvidenceCheck::Config evidence;
   GovernedSpeed::Config governed_speed;
+  ApproachCheck::Config approach;
   CommandedTrajectories::Config trajectories;
   TrajectoryCheck::Config trajectory;
   Permission::Config permission;
   Exemptions::Config exemptions;
+  KeepOut::Config keep_out;
   double clearance_radius_m = 0.2;
 
   void describe(ParameterTable& table);
@@ -29,6 +33,7 @@ struct Checker::Config {
   void validate() const {
     pose.validate();
     inputs.validate();
+    keep_out.validate();
   }
 };
 

@@ -17,8 +17,10 @@ struct Judges {
   PoseCheck here, ahead, asked;
   AreaCheck area;
   ContactJudge contacts;
+  ContactJudge keep_out;
   EvidenceCheck evidence;
   GovernedSpeed governed_speed;
+  ApproachCheck approach;
   TrajectoryCheck trajectory;
 
   /// @throws ConfigError, also where the self-test does not find a link.
@@ -31,14 +33,19 @@ struct Checker::Parts {
   /// The one door for what the robot holds and how it is checked.
   /// @throws ConfigError, and nothing changes.
   void renew(const Config& new_config, std::vector<AttachedObject> objects);
-  /// And for what it may touch.
+  /// And for what it may touch: other exemptions, or another robot.
   void exempt();
+  /// The same exemptions, as they are now.
+  void updateExemptions(Time now);
+  [[nodiscard]] Exemptions::Limits transformLimits() const;
   const Verdict& check(Time now);
   /// What the robot does and meets, once it can be placed.
   void judge(Time now, const JointSnapshot& joints);
   /// Whether the map says anything of where the robot would be. @pre there is a map
   [[nodiscard]] Cause outsideArea(const Posture& posture) const;
   void findOutside(const JointTrajectory& trajectory, TrajectoryAnswer& answer);
+  /// What is there, with the regions to keep out of where the roots are now. @pre there is a map
+  [[nodiscard]] Surroundings around();
   void decide(Time now);
   void forgetFindings();
   void startAnew();
@@ -52,6 +59,7 @@ struct Checker::Parts {
   CheckInputs inputs;
   CommandedTrajectories commanded;
   Exemptions exemptions;
+  KeepOut keep_out;
   Permission permission;
   Judges judges;
   Permission::Findings findings;  ///< of this check

@@ -104,14 +104,20 @@ StateAnswer Checker::checkState(Time now, const std::vector<std::string>& names,
     return refuse("joint '" + *contradiction +
                   "' is not where the joint that it mimics, or fixed_joints, puts it");
   }
-  if (parts_->exemptions.expire(now)) parts_->exempt();
+  parts_->updateExemptions(now);
   Judges& judges = parts_->judges;
   answer.cause = parts_->outsideArea(judges.asked.place(asked, inputs.rootPoses()));
   if (answer.cause.reason != Reason::kClear) return answer;
-  judges.asked.check(inputs.around(), answer.findings);
+  judges.asked.check(parts_->around(), answer.findings);
   if (answer.findings.collision) {
     const std::uint32_t shape = answer.findings.contacts.front().shape;
     answer.cause = {Reason::kCollision, textOfContact(*model(), shape, " touches the map"),
+                    model()->linkOf(shape)};
+  } else if (!answer.findings.keep_out.empty()) {
+    const auto [shape, region] = answer.findings.keep_out.front();
+    answer.cause = {Reason::kKeepOut,
+                    textOfContact(*model(), shape,
+                                  " is in keep-out region '" + parts_->keep_out.name(region) + "'"),
                     model()->linkOf(shape)};
   } else if (answer.findings.occlusion) {
     const std::string link = judges.asked.mostHiddenLink(answer.findings);
@@ -124,13 +130,13 @@ TrajectoryAnswer Checker::checkTrajectory(Time now, const JointTrajectory& traje
   TrajectoryAnswer answer;
   answer.cause = parts_->inputs.worst(now);
   if (answer.cause.reason != Reason::kClear) return answer;
-  if (parts_->exemptions.expire(now)) parts_->exempt();
+  parts_->updateExemptions(now);
   if (trajectory.points.size() > parts_->config.trajectories.points_max) {
     answer.cause = {Reason::kBadQuestion, "it has more than trajectory_points_max points"};
     return answer;
   }
   CheckInputs& inputs = parts_->inputs;
-  answer = parts_->judges.trajectory.check(inputs.around(), trajectory, inputs.joints()->positions,
+  answer = parts_->judges.trajectory.check(parts_->around(), trajectory, inputs.joints()->positions,
                                            inputs.rootPoses());
   const Reason reason = answer.cause.reason;
   const bool is_judged = reason != Reason::kBadQuestion && reason != Reason::kCheckLate;

@@ -12,8 +12,18 @@ namespace {
 
 constexpr std::size_t kTest = 50;  // cuboids passed by in the time of an exact test
 
+constexpr auto kAny = [](const Cuboid&) { return true; };
+
 bool isAmong(const std::vector<std::uint32_t>* cuboids, std::uint32_t cuboid) {
   return cuboids && std::binary_search(cuboids->begin(), cuboids->end(), cuboid);
+}
+
+bool liesIn(const UprightBox& cuboid, const Shape& region, const Pose& T_region_fixed) {
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vector3 p_fixed = cuboid.corner(static_cast<UprightBox::CornerType>(corner));
+    if (distance(region, T_region_fixed * p_fixed) > 0.0) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -35,7 +45,7 @@ class NearestCuboidSearch {
     setReach(nearer_than_m);
   }
 
-  [[nodiscard]] std::optional<NearestCuboid> find() {
+  [[nodiscard]] std::optional<NearestObstacle> find() {
     const auto rows = static_cast<int>(map_.grid.cellsY());
     searchBelow();
     int above = rowOf(around_.center().y()), below = above - 1;
@@ -86,7 +96,7 @@ class NearestCuboidSearch {
       const Separation apart = separation(shape_, T_fixed_shape_, map_.box(cuboid), reach_m_);
       addPlane(apart.direction);
       if (apart.distance_m >= reach_m_ || !check_.hasSupport(map_, cuboid)) continue;
-      best_ = NearestCuboid{apart.distance_m, k};
+      best_ = NearestObstacle{apart.distance_m, k};
       setReach(apart.distance_m);
       if (reach_m_ == 0.0) break;
     }
@@ -146,7 +156,7 @@ class NearestCuboidSearch {
   double reach_m_ = 0.0;  ///< what is not nearer need not be looked at
   CellIndex x_begin_ = 0, x_end_ = 0;
   Height low_ = 0, high_ = 0;
-  std::optional<NearestCuboid> best_;
+  std::optional<NearestObstacle> best_;
   std::array<Plane, 3> planes_;
   std::size_t next_plane_ = 0;
 };
@@ -161,21 +171,30 @@ void CollisionCheck::Config::describe(ParameterTable& table) {
 
 CollisionCheck::CollisionCheck(const Config& config) : config_(validated(config)) {}
 
-bool CollisionCheck::isExempt(std::uint32_t index, const UprightBox& cuboid) const {
-  if (exempt_.empty()) return false;
-  return std::any_of(exempt_[index].begin(), exempt_[index].end(), [&cuboid](const auto& region) {
-    const Pose T_region_fixed = region.pose.inverse();
-    for (int corner = 0; corner < 8; ++corner) {
-      const Vector3 p_fixed = cuboid.corner(static_cast<UprightBox::CornerType>(corner));
-      if (distance(region.shape, T_region_fixed * p_fixed) > 0.0) return false;
-    }
-    return true;
+bool CollisionCheck::exempts(std::size_t index) const {
+  if (exempt_.of_shapes.empty()) return false;
+  const std::vector<std::size_t>& regions = exempt_.of_shapes[index];
+  return std::any_of(regions.begin(), regions.end(),
+                     [this](std::size_t i) { return exempt_.regions[i].in_force; });
+}
+
+bool CollisionCheck::isExempt(std::uint32_t index, const UprightBox& cuboid,
+                              const std::vector<Pose>* T_fixed_links) const {
+  if (exempt_.of_shapes.empty()) return false;
+  const std::vector<std::size_t>& regions = exempt_.of_shapes[index];
+  return std::any_of(regions.begin(), regions.end(), [&](std::size_t i) {
+    const ExemptRegion& region = exempt_.regions[i];
+    if (!region.in_force || (region.link && !T_fixed_links)) return false;
+    Pose T_fixed_region = region.placed.pose;
+    if (region.link) T_fixed_region = (*T_fixed_links)[*region.link] * T_fixed_region;
+    return liesIn(cuboid, region.placed.shape, T_fixed_region.inverse());
   });
 }
 
-template <typename Visit>
+template <typename Counts, typename Visit>
 void CollisionCheck::visitContacts(const CuboidMap& map, const Shape& shape,
                                    const Pose& T_fixed_shape, std::uint32_t index,
+                                   const std::vector<Pose>* T_fixed_links, Counts&& counts,
                                    Visit&& visit) const {
   const UprightBox around = bounds(shape, T_fixed_shape);
   const Grid::Footprint footprint = map.grid.footprint(around);
@@ -187,11 +206,11 @@ void CollisionCheck::visitContacts(const CuboidMap& map, const Shape& shape,
     work_ += 1 + end - cell_begin[footprint.x_begin];
     for (std::uint32_t k = cell_begin[footprint.x_begin]; k < end; ++k) {
       const Cuboid& cuboid = map.cuboids[k];
-      if (cuboid.top < low || cuboid.bottom > high) continue;
+      if (cuboid.top < low || cuboid.bottom > high || !counts(cuboid)) continue;
       const UprightBox box = map.box(cuboid);
       work_ += kTest;
       if (!overlaps(shape, T_fixed_shape, box)) continue;
-      if (!hasSupport(map, cuboid) || isExempt(index, box)) continue;
+      if (!hasSupport(map, cuboid) || isExempt(index, box, T_fixed_links)) continue;
       if (!visit(k)) return;
     }
   }
@@ -204,36 +223,71 @@ bool CollisionCheck::hasSupport(const CuboidMap& map, const Cuboid& cuboid) cons
          supportOf(map, cuboid, config_.support_height_m) >= needed;
 }
 
-void CollisionCheck::find(const CuboidMap& map, const Body& body,
-                          std::vector<Contact>& contacts) const {
+template <typename Visit>
+void CollisionCheck::visitTouched(const Obstacles& obstacles, const Shape& shape,
+                                  const Pose& T_fixed_shape, std::uint32_t index,
+                                  const std::vector<Pose>* T_fixed_links, Visit&& visit) const {
+  if (const KeepOut* keep_out = obstacles.keepOut()) {
+    work_ += kTest * keep_out->size();
+    keep_out->visitTouched(shape, T_fixed_shape, index, visit);
+  } else {
+    visitContacts(*obstacles.map(), shape, T_fixed_shape, index, T_fixed_links, kAny, visit);
+  }
+}
+
+void CollisionCheck::find(const Obstacles& obstacles, const Body& body,
+                          std::vector<Contact>& contacts,
+                          const std::vector<Pose>* T_fixed_links) const {
   contacts.clear();
   const auto most = static_cast<std::size_t>(config_.contacts_max);
   contacts.reserve(most);
   for (std::uint32_t i = 0; i < body.shapes.size() && contacts.size() < most; ++i) {
-    visitContacts(map, body.shapes[i], body.poses[i], i, [&](std::uint32_t cuboid) {
-      contacts.push_back({i, cuboid});
-      return contacts.size() < most;
-    });
+    visitTouched(obstacles, body.shapes[i], body.poses[i], i, T_fixed_links,
+                 [&](std::uint32_t obstacle) {
+                   contacts.push_back({i, obstacle});
+                   return contacts.size() < most;
+                 });
   }
 }
 
-std::optional<std::uint32_t> CollisionCheck::first(const CuboidMap& map, const Shape& shape,
+std::optional<std::uint32_t> CollisionCheck::first(const Obstacles& obstacles, const Shape& shape,
                                                    const Pose& T_fixed_shape, std::uint32_t index,
+                                                   const std::vector<Pose>* T_fixed_links,
                                                    const std::vector<std::uint32_t>* but) const {
   std::optional<std::uint32_t> found;
-  visitContacts(map, shape, T_fixed_shape, index, [&found, but](std::uint32_t cuboid) {
-    if (isAmong(but, cuboid)) return true;
-    found = cuboid;
-    return false;
-  });
+  visitTouched(obstacles, shape, T_fixed_shape, index, T_fixed_links,
+               [&found, but](std::uint32_t obstacle) {
+                 if (isAmong(but, obstacle)) return true;
+                 found = obstacle;
+                 return false;
+               });
   return found;
 }
 
-std::optional<NearestCuboid> CollisionCheck::nearest(const CuboidMap& map, const Shape& shape,
-                                                     const Pose& T_fixed_shape,
-                                                     double nearer_than_m,
-                                                     const std::vector<std::uint32_t>* but) const {
-  return NearestCuboidSearch(*this, map, shape, T_fixed_shape, nearer_than_m, but).find();
+std::optional<std::uint32_t> CollisionCheck::firstAppeared(
+    const CuboidMap& map, const Shape& shape, const Pose& T_fixed_shape, std::uint32_t index,
+    const std::vector<Pose>* T_fixed_links) const {
+  std::optional<std::uint32_t> found;
+  const auto hasAppeared = [](const Cuboid& cuboid) { return cuboid.appeared; };
+  visitContacts(map, shape, T_fixed_shape, index, T_fixed_links, hasAppeared,
+                [&found](std::uint32_t cuboid) {
+                  found = cuboid;
+                  return false;
+                });
+  return found;
+}
+
+std::optional<NearestObstacle> CollisionCheck::nearest(
+    const Obstacles& obstacles, const Shape& shape, const Pose& T_fixed_shape, std::uint32_t index,
+    double nearer_than_m, const std::vector<std::uint32_t>* but) const {
+  if (const KeepOut* keep_out = obstacles.keepOut()) {
+    work_ += kTest * keep_out->size();
+    const auto found = keep_out->nearest(shape, T_fixed_shape, index, nearer_than_m, but);
+    if (!found) return std::nullopt;
+    return NearestObstacle{found->distance_m, found->region};
+  }
+  return NearestCuboidSearch(*this, *obstacles.map(), shape, T_fixed_shape, nearer_than_m, but)
+      .find();
 }
 
 }  // namespace tccm

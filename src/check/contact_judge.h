@@ -16,6 +16,8 @@ namespace tccm {
 /// ways the gravest counts.
 class ContactJudge {
  public:
+  /// What it must not touch.
+  enum class Against { kMap, kKeepOut };
   struct Config {
     double horizon_s = 0.5;
     double step_m = 0.02;
@@ -28,23 +30,32 @@ class ContactJudge {
 
   /// @throws ConfigError
   ContactJudge(const std::shared_ptr<const CheckedRobot>& robot, const Config& config,
-               const Braking& braking);
+               const Braking& braking, Against against = Against::kMap);
 
   struct Findings {
     /// The gravest along all ways, from now on; where nothing touches, of the margins.
     std::optional<WayContact> first_contact;
-    /// COLLISION at the present pose, also where the robot moves out of it; else CLEAR.
+    /// COLLISION, or KEEP_OUT, at the present pose, also where the robot moves out of it; else
+    /// CLEAR.
     Cause touching;
-    bool collision = false;  ///< something touches, now or ahead; margins do not count
-    std::size_t poses = 0;   ///< looked at on the ways
+    bool touches = false;   ///< now or ahead; margins do not count
+    std::size_t poses = 0;  ///< looked at on the ways
   };
+  /// Where there are no regions to keep out of nothing is found in them.
   /// The reference is valid until the next call.
   const Findings& judge(const Situation& situation, Causes& causes);
 
  private:
+  [[nodiscard]] Obstacles obstaclesOf(const Situation& situation) const;
+  [[nodiscard]] const std::vector<Contact>& contactsOf(const Situation& situation) const;
+  /// What is told of a contact: goes after the link's name.
+  enum class Told { kTouches, kMovesOut, kAhead, kTooNear };
+  [[nodiscard]] std::string textOf(const Situation& situation, const Contact& contact,
+                                   Told told) const;
   void lookAhead(const Situation& situation);
   /// STOP where a contact comes before the robot can halt, SLOW later.
-  [[nodiscard]] Cause causeOf(const std::optional<WayAhead::Found>& touch,
+  [[nodiscard]] Cause causeOf(const Situation& situation,
+                              const std::optional<WayAhead::Found>& touch,
                               const std::optional<WayAhead::Found>& margin) const;
   [[nodiscard]] Cause tooFast(const WayAhead::TooFast& part) const;
   /// Names the fastest joint.
@@ -54,6 +65,7 @@ class ContactJudge {
 
   std::shared_ptr<const CheckedRobot> robot_;
   Config config_;
+  Against against_;
   WayAhead ahead_;
   MovingOut moving_out_;
   JointPath escape_;  ///< reused

@@ -74,12 +74,6 @@ void GovernedSpeed::addTracks(std::size_t shape) {
   }
 }
 
-double GovernedSpeed::speedFor(double rest_m, double until_s, double deceleration_mps2) {
-  if (!(rest_m > 0.0)) return 0.0;
-  return deceleration_mps2 *
-         (std::sqrt(until_s * until_s + 2.0 * rest_m / deceleration_mps2) - until_s);
-}
-
 void GovernedSpeed::startAnew() {
   last_.reset();
   obeyed_ = {};
@@ -143,7 +137,7 @@ void GovernedSpeed::move(const Situation& situation) {
   const double seconds = last_ ? toSeconds(now - *last_) : 0.0;
   double fastest = kAtRest;
   for (const Track& track : tracks_) fastest = std::max(fastest, track.commanded_mps);
-  obeyed_.add(now, situation.applied_scale, situation.braking.deceleration_mps2 / fastest,
+  obeyed_.add(now, situation.applied_scale, situation.braking.way().fall(fastest),
               fromSeconds(situation.braking.reaction_time_s + kJointsLate));
   for (std::size_t i = 0; i < positions_soon_.size(); ++i) {
     positions_soon_[i] = joints.positions[i] + kSoon * joints.velocities[i];
@@ -237,8 +231,8 @@ void GovernedSpeed::limitBy(const Track& track, const Situation& situation) {
         config_.appear_distance_m - config_.place_step_m - (track.travelled_m - place.travelled_m);
     const NextLook next = nextLook(place, situation);
     const Braking& braking = situation.braking;
-    const double allowed = speedFor(rest_m, next.until_s + next.delay_s + braking.reaction_time_s,
-                                    braking.deceleration_mps2);
+    const double allowed =
+        braking.way().speedFor(rest_m, next.until_s + next.delay_s + braking.reaction_time_s);
     const double scale = allowed / std::max(track.commanded_mps, speed);
     if (scale >= limit_.scale) continue;
     limit_ = {scale, model_->shapes()[track.shape].link, allowed, std::nullopt};

@@ -76,9 +76,6 @@ class GovernedSpeed {
   void startAnew();
   /// Goes on with what another knows of the same points; of another distance nothing is of use.
   void takeOver(const GovernedSpeed& before);
-  /// The same rule for one look: the speed that uses up the rest of a way until a look and the
-  /// verdict on it, braking included. @param until_s at least 0.
-  [[nodiscard]] static double speedFor(double rest_m, double until_s, double deceleration_mps2);
 
  private:
   /// A place that something may have appeared at.

@@ -3,39 +3,37 @@
 #include <algorithm>
 #include <limits>
 
-#include "geometry/distance.h"
-
 namespace tccm {
 
 Leaving::Leaving(std::size_t contacts_max) {
   followed_.reserve(contacts_max);
-  cuboids_.reserve(contacts_max);
+  obstacles_.reserve(contacts_max);
 }
 
 void Leaving::begin(const std::vector<std::uint32_t>& touched) {
   followed_.clear();
-  cuboids_ = touched;
+  obstacles_ = touched;
 }
 
-void Leaving::passEscape(const CuboidMap& map, const Shape& solid, const Shape& core,
+void Leaving::passEscape(const Obstacles& obstacles, const Shape& solid, const Shape& core,
                          const Pose& T_fixed_shape) {
   followed_.clear();
-  for (const std::uint32_t cuboid : cuboids_) {
-    const UprightBox box = map.box(map.cuboids[cuboid]);
-    if (distance(solid, T_fixed_shape, box) > 0.0) continue;
-    followed_.push_back({cuboid, distance(core, T_fixed_shape, box) - MovingOut::kNoise});
+  for (const std::uint32_t obstacle : obstacles_) {
+    if (obstacles.distanceTo(obstacle, solid, T_fixed_shape) > 0.0) continue;
+    followed_.push_back(
+        {obstacle, obstacles.distanceTo(obstacle, core, T_fixed_shape) - MovingOut::kNoise});
   }
 }
 
-double Leaving::update(const CuboidMap& map, const Shape& core, const Pose& T_fixed_shape) {
-  cuboids_.clear();
+double Leaving::update(const Obstacles& obstacles, const Shape& core, const Pose& T_fixed_shape) {
+  obstacles_.clear();
   double until_ahead_m = std::numeric_limits<double>::infinity();
   for (const Followed& followed : followed_) {
     const double metres =
-        distance(core, T_fixed_shape, map.box(map.cuboids[followed.cuboid])) - followed.nearest_m;
+        obstacles.distanceTo(followed.obstacle, core, T_fixed_shape) - followed.nearest_m;
     if (metres < 0.0) continue;
     until_ahead_m = std::min(until_ahead_m, metres);
-    cuboids_.push_back(followed.cuboid);
+    obstacles_.push_back(followed.obstacle);
   }
   return until_ahead_m;
 }

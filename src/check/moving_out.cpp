@@ -42,8 +42,9 @@ void MovingOut::place(const Way& way, std::size_t i, const std::vector<double>& 
                    robot_->model->shapes()[shapes_[i]].T_link_shape;
 }
 
-double MovingOut::coreDistance(const CuboidMap& map, std::size_t i, std::uint32_t cuboid) const {
-  return distance(cores_[i], T_fixed_shape_, map.box(map.cuboids[cuboid]));
+double MovingOut::coreDistance(const Obstacles& obstacles, std::size_t i,
+                               std::uint32_t obstacle) const {
+  return obstacles.distanceTo(obstacle, cores_[i], T_fixed_shape_);
 }
 
 bool MovingOut::beginPairs(const Way& way, const std::vector<Contact>& contacts, std::size_t i) {
@@ -52,7 +53,7 @@ bool MovingOut::beginPairs(const Way& way, const std::vector<Contact>& contacts,
   pairs_.clear();
   for (const Contact& contact : contacts) {
     if (contact.shape != shapes_[i]) continue;
-    const double metres = coreDistance(way.map, i, contact.cuboid);
+    const double metres = coreDistance(way.obstacles, i, contact.cuboid);
     if (metres == 0.0) return false;
     pairs_.push_back({contact.cuboid, metres, metres});
   }
@@ -62,7 +63,7 @@ bool MovingOut::beginPairs(const Way& way, const std::vector<Contact>& contacts,
 bool MovingOut::closesAny(const Way& way, std::size_t i, const std::vector<double>& positions) {
   place(way, i, positions);
   for (Pair& pair : pairs_) {
-    const double metres = coreDistance(way.map, i, pair.cuboid);
+    const double metres = coreDistance(way.obstacles, i, pair.obstacle);
     if (metres == 0.0 || metres < pair.last_m - kNoise) return true;
     pair.last_m = std::max(pair.last_m, metres);
   }

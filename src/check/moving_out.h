@@ -12,10 +12,10 @@
 namespace tccm {
 
 /// Tells a motion that ends a contact from one that goes on into it. For each pair of primitive and
-/// cuboid that touch, the distance of the primitive's core (its axis or middle) to the cuboid is
-/// followed along the primitive's next 100 mm: it may nowhere become less, and in the end it must
-/// be more. Where a core itself is in a cuboid, no way out can be told. What does not touch yet is
-/// no concern of it: that lies ahead, and is judged as such.
+/// obstacle that touch, the distance of the primitive's core (its axis or middle) to the obstacle
+/// is followed along the primitive's next 100 mm: it may nowhere become less, and in the end it
+/// must be more. Where a core itself is in an obstacle, no way out can be told. What does not touch
+/// yet is no concern of it: that lies ahead, and is judged as such.
 class MovingOut {
  public:
   static constexpr double kEscape = 0.1;   ///< [m] of a primitive's way that are followed
@@ -31,7 +31,7 @@ class MovingOut {
  private:
   /// Of one contact.
   struct Pair {
-    std::uint32_t cuboid;
+    std::uint32_t obstacle;
     double first_m, last_m;  ///< distance of the core
   };
   [[nodiscard]] bool beginPairs(const Way& way, const std::vector<Contact>& contacts,
@@ -39,8 +39,8 @@ class MovingOut {
   /// Follows the pairs of one primitive.
   [[nodiscard]] bool stayOpen(const Way& way, std::size_t i);
   [[nodiscard]] bool closesAny(const Way& way, std::size_t i, const std::vector<double>& positions);
-  [[nodiscard]] double coreDistance(const CuboidMap& map, std::size_t i,
-                                    std::uint32_t cuboid) const;
+  [[nodiscard]] double coreDistance(const Obstacles& obstacles, std::size_t i,
+                                    std::uint32_t obstacle) const;
   void place(const Way& way, std::size_t i, const std::vector<double>& positions);
 
   std::shared_ptr<const CheckedRobot> robot_;

@@ -6,9 +6,14 @@
 namespace tccm {
 namespace {
 
+/// At the present pose, with the map or a region to keep out of.
+bool isContact(Reason reason) { return reason == Reason::kCollision || reason == Reason::kKeepOut; }
+
 /// Holds until it is reset.
-bool isLasting(Reason reason) {
-  return reason == Reason::kCollision || levelOf(reason) == Level::kFault;
+bool isLasting(Reason reason) { return isContact(reason) || levelOf(reason) == Level::kFault; }
+
+bool isContactAhead(Reason reason) {
+  return reason == Reason::kCollisionAhead || reason == Reason::kKeepOutAhead;
 }
 
 }  // namespace
@@ -54,16 +59,16 @@ void Permission::latch(const Cause& cause) {
 }
 
 Cause Permission::held(Time now, const Findings& findings, bool moving_out) {
-  // Only moving out of contact suspends a collision that holds; nothing suspends a fault.
-  const bool is_suspended = moving_out && findings.touching.reason == Reason::kCollision &&
-                            latched_.reason == Reason::kCollision;
+  // Only moving out of contact suspends a contact that holds; nothing suspends a fault.
+  const bool is_suspended =
+      moving_out && isContact(findings.touching.reason) && isContact(latched_.reason);
   if (latched_.reason != Reason::kClear && !is_suspended) {
     return {Reason::kAwaitingReset,
             std::string(tccm::name(latched_.reason)) + " holds until reset: " + latched_.detail,
             latched_.link};
   }
   if (!last_stop_) return {};
-  const bool moves_out_of_it = moving_out && last_stop_reason_ != Reason::kCollisionAhead;
+  const bool moves_out_of_it = moving_out && !isContactAhead(last_stop_reason_);
   if (moves_out_of_it || is_suspended) return {};
   const Duration release = std::max(fromSeconds(config_.release_s), findings.window);
   if (now - *last_stop_ >= release && clear_checks_ >= config_.release_checks) {
@@ -122,7 +127,7 @@ const Permission::Decision& Permission::decide(Time now, Findings& findings) {
 std::string Permission::reset() {
   // A fault that is over is lifted although the robot touches something: else nothing could move it
   // out.
-  if (lasting_ == Reason::kCollision && levelOf(latched_.reason) == Level::kFault) {
+  if (isContact(lasting_) && levelOf(latched_.reason) == Level::kFault) {
     latched_ = touching_;
     return {};
   }

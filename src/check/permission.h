@@ -27,7 +27,7 @@ class Permission {
   /// What one check found.
   struct Findings {
     std::vector<Cause> causes;
-    Cause touching;      ///< kCollision at the present pose, also where it is moved out of
+    Cause touching;  ///< kCollision or kKeepOut at the present pose, also where it is moved out of
     bool known = false;  ///< the input is whole and fresh
     Duration window{0};  ///< of the map
   };
@@ -48,7 +48,7 @@ class Permission {
   /// gravest first. The reference is valid until the next call.
   const Decision& decide(Time now, Findings& findings);
 
-  /// Lifts what holds until it is reset; of a robot in contact only a fault, and the collision
+  /// Lifts what holds until it is reset; of a robot in contact only a fault, and the contact
   /// holds instead. @return why not, in one line; empty where it is lifted.
   [[nodiscard]] std::string reset();
   /// As at the start; but what holds until it is reset is lifted by a person, not by a clock.

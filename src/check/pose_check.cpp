@@ -91,16 +91,25 @@ const Posture& PoseCheck::place(const std::vector<double>& positions,
 }
 
 void PoseCheck::check(const Surroundings& around, PoseFindings& findings) {
-  findContacts(around.map, findings);
+  findContacts(around, findings);
   findOcclusion(around, findings);
 }
 
-void PoseCheck::findContacts(const CuboidMap& map, PoseFindings& findings) const {
-  robot_->collision.find(map, collision_body_.body, findings.contacts);
-  for (Contact& contact : findings.contacts) {
+void PoseCheck::nameShapes(std::vector<Contact>& contacts) const {
+  for (Contact& contact : contacts) {
     contact.shape = static_cast<std::uint32_t>(collision_body_.shapes[contact.shape]);
   }
+}
+
+void PoseCheck::findContacts(const Surroundings& around, PoseFindings& findings) const {
+  robot_->collision.find(around.map, collision_body_.body, findings.contacts,
+                         &kinematics_.linkPoses());
+  nameShapes(findings.contacts);
   findings.collision = !findings.contacts.empty();
+  findings.keep_out.clear();
+  if (!around.keep_out) return;
+  robot_->collision.find(*around.keep_out, collision_body_.body, findings.keep_out);
+  nameShapes(findings.keep_out);
 }
 
 void PoseCheck::findOcclusion(const Surroundings& around, PoseFindings& findings) {
@@ -113,27 +122,40 @@ void PoseCheck::findOcclusion(const Surroundings& around, PoseFindings& findings
   findings.occlusion = false;
 }
 
-std::optional<NearestCuboid> PoseCheck::nearest(const CuboidMap& map, std::size_t i,
-                                                double nearer_than_m) const {
+LinkClearance PoseCheck::nearest(const Surroundings& around, std::size_t i,
+                                 double nearer_than_m) const {
   const Shape& bare = robot_->model->shapes()[collision_body_.shapes[i]].shape;
-  return robot_->collision.nearest(map, bare, collision_body_.body.poses[i], nearer_than_m);
+  const Pose& pose = collision_body_.body.poses[i];
+  const auto index = static_cast<std::uint32_t>(i);
+  LinkClearance nearest{collision_body_.links[i]};
+  const auto look = [&](const Obstacles& obstacles) {
+    const auto found = robot_->collision.nearest(obstacles, bare, pose, index,
+                                                 std::min(nearer_than_m, nearest.distance_m));
+    if (!found) return;
+    nearest.distance_m = found->distance_m;
+    nearest.cuboid = found->obstacle;
+    nearest.is_region = obstacles.keepOut() != nullptr;
+  };
+  look(around.map);
+  if (around.keep_out) look(*around.keep_out);
+  return nearest;
 }
 
-const std::vector<LinkClearance>& PoseCheck::findClearances(const CuboidMap& map, double radius_m) {
+const std::vector<LinkClearance>& PoseCheck::findClearances(const Surroundings& around,
+                                                            double radius_m) {
   for (LinkClearance& entry : clearances_) entry = {entry.link};
   for (std::size_t i = 0; i < clearance_of_shape_.size(); ++i) {
     LinkClearance& entry = clearances_[clearance_of_shape_[i]];
-    const auto found = nearest(map, i, std::min(radius_m, entry.distance_m));
-    if (found) entry = {entry.link, found->distance_m, found->cuboid};
+    const LinkClearance found = nearest(around, i, std::min(radius_m, entry.distance_m));
+    if (found.distance_m < entry.distance_m) entry = found;
   }
   return clearances_;
 }
 
-double PoseCheck::leastClearance(const CuboidMap& map, double radius_m) const {
+double PoseCheck::leastClearance(const Surroundings& around, double radius_m) const {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < collision_body_.shapes.size() && least > 0.0; ++i) {
-    const auto found = nearest(map, i, std::min(radius_m, least));
-    if (found) least = found->distance_m;
+    least = std::min(least, nearest(around, i, std::min(radius_m, least)).distance_m);
   }
   return least;
 }

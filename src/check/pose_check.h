@@ -31,9 +31,9 @@ struct UsedBody {
   Body body;                         ///< one shape for each of them; not placed at first
 };
 
-/// A way of the robot among the cuboids of a map. Its roots stand still meanwhile.
+/// A way of the robot among obstacles. Its roots stand still meanwhile.
 struct Way {
-  const CuboidMap& map;
+  Obstacles obstacles;
   const JointPath& path;
   const std::vector<Pose>& T_fixed_roots;  ///< one for each of the model's roots
 };
@@ -79,16 +79,17 @@ class PoseCheck {
   /// @param findings reused. Contacts name the model's shapes, links the model's links.
   void check(const Surroundings& around, PoseFindings& findings);
   /// The parts of it, in this order.
-  void findContacts(const CuboidMap& map, PoseFindings& findings) const;
+  void findContacts(const Surroundings& around, PoseFindings& findings) const;
   void findOcclusion(const Surroundings& around, PoseFindings& findings);
 
-  /// The distance from each link that is checked for collision to the nearest cuboid, in the order
-  /// of their first primitives: of the primitives as they are, without padding. Only cuboids with
-  /// enough support count, as for contacts. The reference is valid until the next call.
+  /// The distance from each link that is checked for collision to the nearest cuboid or region, in
+  /// the order of their first primitives: of the primitives as they are, without padding. Only
+  /// cuboids with enough support count, as for contacts. The reference is valid until the next
+  /// call.
   /// @param radius_m what is further away is not looked for.
-  const std::vector<LinkClearance>& findClearances(const CuboidMap& map, double radius_m);
-  /// The least of all links; infinite where no cuboid lies within the radius. Faster.
-  [[nodiscard]] double leastClearance(const CuboidMap& map, double radius_m) const;
+  const std::vector<LinkClearance>& findClearances(const Surroundings& around, double radius_m);
+  /// The least of all links; infinite where nothing lies within the radius. Faster.
+  [[nodiscard]] double leastClearance(const Surroundings& around, double radius_m) const;
 
   [[nodiscard]] const OcclusionCheck& occlusion() const { return occlusion_; }
   /// The primitives as checked for collision, and as drawn for occlusion.
@@ -102,8 +103,10 @@ class PoseCheck {
 
  private:
   /// @param i index into the collision body's shapes.
-  [[nodiscard]] std::optional<NearestCuboid> nearest(const CuboidMap& map, std::size_t i,
-                                                     double nearer_than_m) const;
+  [[nodiscard]] LinkClearance nearest(const Surroundings& around, std::size_t i,
+                                      double nearer_than_m) const;
+  /// @param contacts as a check finds them: names the model's shapes.
+  void nameShapes(std::vector<Contact>& contacts) const;
 
   std::shared_ptr<const CheckedRobot> robot_;
   Kinematics kinematics_;

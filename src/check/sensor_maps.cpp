@@ -62,7 +62,7 @@ void SensorMaps::fill() {
   united_.viewpoint = first.viewpoint;
   united_.stamp = Time();
   united_.window = united_.look_period = Duration::zero();
-  united_.window_scans = 0;
+  united_.window_scans = united_.appeared = 0;
   united_.complete = true;
   ++united_.serial;
   std::size_t most = 0;
@@ -94,7 +94,10 @@ void SensorMaps::append(CellIndex cell, const Source& source) {
   for (std::uint32_t k = map.cell_begin[cell]; k < map.cell_begin[cell + 1]; ++k) {
     if (isOverruled(map.cuboids[k], source)) continue;
     united_.cuboids.push_back(map.cuboids[k]);
-    united_.cuboids.back().held = map.cuboids[k].held || source.is_out;
+    Cuboid& cuboid = united_.cuboids.back();
+    cuboid.held = cuboid.held || source.is_out;
+    cuboid.appeared = cuboid.appeared && !source.is_out;
+    united_.appeared += cuboid.appeared ? 1 : 0;
   }
 }
 

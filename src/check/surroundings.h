@@ -7,6 +7,8 @@
 
 namespace tccm {
 
+class KeepOut;
+
 /// What one sensor looked at, and when.
 struct SensorView {
   const CuboidMap* map = nullptr;
@@ -16,16 +18,19 @@ struct SensorView {
 };
 
 /// What all sensors say of the surroundings at one instant: what is occupied, and, sensor by
-/// sensor, where each looked. A view; the maps have to outlive it.
+/// sensor, where each looked; and where nobody may go. A view; the maps have to outlive it.
 class Surroundings {
  public:
   /// Of one sensor its map says both.
   Surroundings(const CuboidMap& one) : map(one), one_{&one} {}  // NOLINT(google-explicit-*)
-  /// @param all what is occupied.
-  Surroundings(const CuboidMap& all, const std::vector<SensorView>& sensors)
-      : map(all), many_(&sensors) {}
+  /// @param all what is occupied. @param regions null: none
+  Surroundings(const CuboidMap& all, const std::vector<SensorView>& sensors,
+               const KeepOut* regions = nullptr)
+      : map(all), keep_out(regions), many_(&sensors) {}
 
   const CuboidMap& map;
+  /// Regions that no link may enter; null where there are none.
+  const KeepOut* keep_out = nullptr;
 
   [[nodiscard]] const SensorView* begin() const { return many_ ? many_->data() : &one_; }
   [[nodiscard]] const SensorView* end() const { return begin() + size(); }

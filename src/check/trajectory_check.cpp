@@ -12,6 +12,7 @@ namespace {
 constexpr std::size_t kWorkMax = 60'000'000;
 constexpr double kTravelMax = 1e4;         // [rad or m] of one joint; there is no need to begin
 constexpr std::size_t kWorkOfPose = 30;    // for each joint and shape
+constexpr double kLeavingPoses = 400.0;    // that are looked at for the end of a contact
 constexpr double kSplineTolerance = 5e-4;  // [rad or m]
 
 std::string atTime(const std::string& what, double time_s) {
@@ -35,6 +36,7 @@ TrajectoryCheck::TrajectoryCheck(const std::shared_ptr<const CheckedRobot>& robo
       config_(validated(config)),
       pose_(robot, old_periods),
       way_(robot, config.step_m),
+      moving_out_(robot),
       clearance_radius_m_(clearance_radius_m),
       path_(robot->model->variables().size()) {}
 
@@ -52,10 +54,15 @@ TrajectoryAnswer TrajectoryCheck::check(const Surroundings& around,
   path_.travelUntil(path_.end(), positions_);
   if (*std::max_element(positions_.begin(), positions_.end()) > kTravelMax) return tooLong();
   const Way way{around.map, path_, T_fixed_roots};
-  if (!findClearances(way, trajectory, answer)) return tooLong();
-  findCollision(way, trajectory, answer);
+  if (!findClearances(around, way, trajectory, answer)) return tooLong();
+  findContact(around, way, trajectory, answer);
+  if (around.keep_out) {
+    findContact(around, {*around.keep_out, path_, T_fixed_roots}, trajectory, answer);
+  }
   if (way_.isTooLong()) return tooLong();
-  if (answer.cause.reason == Reason::kClear && robot_->config.check_occlusion) {
+  const bool is_free =
+      answer.cause.reason == Reason::kClear || answer.cause.reason == Reason::kMovingOut;
+  if (is_free && robot_->config.check_occlusion) {
     findOcclusion(around, way, trajectory, answer);
   }
   return answer;
@@ -68,14 +75,14 @@ TrajectoryAnswer TrajectoryCheck::tooLong() {
   return answer;
 }
 
-bool TrajectoryCheck::findClearances(const Way& way, const JointTrajectory& trajectory,
-                                     TrajectoryAnswer& answer) {
+bool TrajectoryCheck::findClearances(const Surroundings& around, const Way& way,
+                                     const JointTrajectory& trajectory, TrajectoryAnswer& answer) {
   const RobotModel& model = *robot_->model;
   const std::size_t begun = robot_->collision.work();
   const std::size_t each = kWorkOfPose * (model.joints().size() + model.shapes().size());
   for (std::size_t i = 0; i < trajectory.points.size(); ++i) {
     place(way, trajectory.points[i].time_s);
-    answer.clearances_m.push_back(pose_.leastClearance(way.map, clearance_radius_m_));
+    answer.clearances_m.push_back(pose_.leastClearance(around, clearance_radius_m_));
     const std::size_t done = robot_->collision.work() - begun + (i + 1) * each;
     if (done > kWorkMax) return false;
     way_.allow(kWorkMax - done);
@@ -88,19 +95,70 @@ void TrajectoryCheck::place(const Way& way, double time_s) {
   pose_.place(positions_, way.T_fixed_roots);
 }
 
-void TrajectoryCheck::findCollision(const Way& way, const JointTrajectory& trajectory,
-                                    TrajectoryAnswer& answer) {
+double TrajectoryCheck::findLeft(const Surroundings& around, const Way& way) {
+  const bool are_regions = way.obstacles.keepOut() != nullptr;
+  const double begin_s = way.path.begin(), end_s = way.path.end();
+  way_.leave({});
+  place(way, begin_s);
+  pose_.findContacts(around, findings_);
+  const std::vector<Contact>& contacts = are_regions ? findings_.keep_out : findings_.contacts;
+  if (contacts.empty() || !moving_out_.opens(way, contacts, true)) return begin_s;
+  const std::vector<Contact>& later = are_regions ? later_.keep_out : later_.contacts;
+  const auto lasts = [&later](const Contact& contact) {
+    return std::any_of(later.begin(), later.end(), [&](const Contact& found) {
+      return found.shape == contact.shape && found.cuboid == contact.cuboid;
+    });
+  };
+  for (double pose = 1.0; pose <= kLeavingPoses; ++pose) {
+    const double time_s = begin_s + (end_s - begin_s) * pose / kLeavingPoses;
+    place(way, time_s);
+    pose_.findContacts(around, later_);
+    if (std::any_of(contacts.begin(), contacts.end(), lasts)) continue;
+    way_.leave(contacts);
+    return time_s;
+  }
+  return begin_s;
+}
+
+bool TrajectoryCheck::isFree(const Way& way, double from_s, double to_s, std::size_t index,
+                             TrajectoryAnswer& answer) {
+  const auto found = way_.firstContact(way, from_s, to_s, from_s == way.path.begin());
+  if (!found) return true;
+  const double time_s = from_s + found->time_s;
+  if (answer.index && time_s >= answer.time_s) return false;
+  const KeepOut* keep_out = way.obstacles.keepOut();
+  const Contact& contact = found->contact;
+  const std::string& link = robot_->model->linkOf(contact.shape);
+  const std::string what =
+      link + (keep_out ? " enters keep-out region '" + keep_out->name(contact.cuboid) + "'"
+                       : " touches the map");
+  answer.index = index;
+  answer.time_s = time_s;
+  answer.contact.reset();
+  if (!keep_out) answer.contact = contact;
+  answer.cause = {keep_out ? Reason::kKeepOut : Reason::kCollision, atTime(what, time_s), link};
+  return false;
+}
+
+void TrajectoryCheck::findContact(const Surroundings& around, const Way& way,
+                                  const JointTrajectory& trajectory, TrajectoryAnswer& answer) {
   double from_s = way.path.begin();
-  for (std::size_t i = 0; i < trajectory.points.size(); ++i) {
+  const double left_s = findLeft(around, way);
+  if (left_s > from_s && answer.cause.reason == Reason::kClear) {
+    const bool are_regions = way.obstacles.keepOut() != nullptr;
+    const Contact& contact = (are_regions ? findings_.keep_out : findings_.contacts).front();
+    const std::string& link = robot_->model->linkOf(contact.shape);
+    answer.cause = {Reason::kMovingOut, link + " moves out of contact", link};
+  }
+  const std::size_t end = answer.index ? *answer.index + 1 : trajectory.points.size();
+  for (std::size_t i = 0; i < end; ++i) {
     const double to_s = trajectory.points[i].time_s;
-    if (const auto found = way_.firstContact(way, from_s, to_s, i == 0)) {
-      const std::string& link = robot_->model->linkOf(found->contact.shape);
-      answer.index = i;
-      answer.time_s = from_s + found->time_s;
-      answer.contact = found->contact;
-      answer.cause = {Reason::kCollision, atTime(link + " touches the map", answer.time_s), link};
-      return;
+    if (from_s < left_s && left_s < to_s) {
+      if (!isFree(way, from_s, left_s, i, answer)) return;
+      from_s = left_s;
     }
+    if (from_s >= left_s) way_.leave({});
+    if (!isFree(way, from_s, to_s, i, answer)) return;
     from_s = to_s;
   }
 }

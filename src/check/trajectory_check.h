@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "check/moving_out.h"
 #include "check/pose_check.h"
 #include "check/way_check.h"
 #include "config/parameter_table.h"
@@ -28,7 +29,8 @@ class TrajectoryCheck {
 
   /// @param from where the robot is, one position for each variable.
   /// @param T_fixed_roots one for each of the model's roots; they stand still.
-  /// @return CHECK_LATE for one that cannot be judged within a second.
+  /// @return CHECK_LATE for one that cannot be judged within a second; MOVING_OUT, which is free,
+  /// for one that opens each contact of its begin and comes to no other.
   [[nodiscard]] TrajectoryAnswer check(const Surroundings& around,
                                        const JointTrajectory& trajectory,
                                        const std::vector<double>& from,
@@ -37,10 +39,18 @@ class TrajectoryCheck {
  private:
   [[nodiscard]] static TrajectoryAnswer tooLong();
   /// @return false where there are too many waypoints to be judged in time.
-  [[nodiscard]] bool findClearances(const Way& way, const JointTrajectory& trajectory,
-                                    TrajectoryAnswer& answer);
+  [[nodiscard]] bool findClearances(const Surroundings& around, const Way& way,
+                                    const JointTrajectory& trajectory, TrajectoryAnswer& answer);
   void place(const Way& way, double time_s);
-  void findCollision(const Way& way, const JointTrajectory& trajectory, TrajectoryAnswer& answer);
+  /// @return until when contacts of the way's begin last that it opens; its begin where there are
+  /// none, or where one stays.
+  [[nodiscard]] double findLeft(const Surroundings& around, const Way& way);
+  /// Up to where something was found before.
+  void findContact(const Surroundings& around, const Way& way, const JointTrajectory& trajectory,
+                   TrajectoryAnswer& answer);
+  /// From one instant of the way to another. @return false at a contact.
+  [[nodiscard]] bool isFree(const Way& way, double from_s, double to_s, std::size_t index,
+                            TrajectoryAnswer& answer);
   void findOcclusion(const Surroundings& around, const Way& way, const JointTrajectory& trajectory,
                      TrajectoryAnswer& answer);
 
@@ -48,9 +58,10 @@ class TrajectoryCheck {
   Config config_;
   PoseCheck pose_;
   WayCheck way_;
+  MovingOut moving_out_;
   double clearance_radius_m_;
   JointPath path_;
-  PoseFindings findings_;
+  PoseFindings findings_, later_;
   std::vector<double> positions_;
 };
 

@@ -11,8 +11,7 @@ namespace {
 constexpr double kGrown = 1.0;    // [m] by which lever arms with a margin are found
 constexpr double kLookMax = 2.0;  // [s] ahead, unless the horizon is further
 constexpr double kUnits = 8.0;    // of a step, between two places: they tell the time of a contact
-constexpr double kUnitsExempt = 2.0;      // where nothing shows quickly that a place is free
-constexpr double kSearch = 0.1;           // [m] around a primitive; nearer is not always cheaper
+constexpr double kSearch = 0.1;   // [m] around a primitive; nearer is not always cheaper
 constexpr double kTouching = 1e-6;        // [m] that count as nothing
 constexpr std::size_t kWorkOfJoint = 20;  // in cuboids passed by
 constexpr std::size_t kWorkOfShape = 30;
@@ -78,6 +77,7 @@ WayAhead::WayAhead(const std::shared_ptr<const CheckedRobot>& robot, double step
     : robot_(robot),
       body_(robot_->collision_body),
       step_m_(step_m),
+      unit_m_(step_m / kUnits),
       margin_max_m_(margin_max_m),
       speeds_(robot),
       bound_(*robot_->model, body_.shapes, body_.radii(0.0)),
@@ -85,12 +85,16 @@ WayAhead::WayAhead(const std::shared_ptr<const CheckedRobot>& robot, double step
       cursor_bound_(*robot_->model, body_.shapes, bareRadii(*robot_, MovingOut::kGrowth)),
       kinematics_(robot_->model),
       cursor_(robot_->model->variables().size()),
+      T_fixed_links_(robot_->model->links().size(), Pose::Identity()),
       leaving_(static_cast<std::size_t>(robot_->config.collision.contacts_max)) {
   const std::size_t variables = robot_->model->variables().size();
   for (auto* values : {&positions_, &begin_, &halfway_, &end_}) {
     values->resize(variables);
   }
   for (std::size_t i = 0; i < body_.shapes.size(); ++i) parts_.push_back(partOf(i));
+  for (std::size_t link = 0; link < robot_->model->links().size(); ++link) {
+    link_chains_.emplace_back(*robot_->model, link);
+  }
 }
 
 WayAhead::Part WayAhead::partOf(std::size_t i) const {
@@ -107,7 +111,6 @@ void WayAhead::begin(const Halting& halting, const std::vector<Contact>& contact
                      const Posture& posture, std::size_t work) {
   halting_ = halting;
   here_ = &posture;
-  unit_m_ = step_m_ / (robot_->collision.exemptsAny() ? kUnitsExempt : kUnits);
   touch_.reset();
   margin_.reset();
   too_fast_.reset();
@@ -209,8 +212,9 @@ bool WayAhead::isFree(const Way& way, std::size_t i) {
   Part& part = parts_[i];
   way.path.travelUntil(std::min(part.look_s, way.path.end()), end_);
   const double metres = std::max(moved(i, begin_, halfway_), moved(i, halfway_, end_));
-  const auto found = robot_->collision.nearest(
-      way.map, part.grown, kinematics_.shapePoses()[body_.shapes[i]], metres + kTouching);
+  const auto found = robot_->collision.nearest(way.obstacles, part.grown,
+                                               kinematics_.shapePoses()[body_.shapes[i]],
+                                               static_cast<std::uint32_t>(i), metres + kTouching);
   if (found) part.free_halfway_m = std::max(0.0, found->distance_m - kTouching);
   return !found;
 }
@@ -248,11 +252,11 @@ void WayAhead::walk(const Way& way, std::size_t i) {
     if (!with_margin && free_m <= 0.0 && touches(way, i, false)) return;
     double next_m = here_m + free_m;
     // Where it does not come nearer it is looked further ahead, and back from there.
-    if (free_m > 0.8 * free_before_m && leaving_.cuboids().empty()) {
+    if (free_m > 0.8 * free_before_m && leaving_.obstacles().empty()) {
       next_m = passFree(way, i, with_margin, next_m, free_m);
     }
     if (std::abs(next_m - halfway_m) < around_m) next_m = halfway_m + around_m;
-    if (!leaving_.cuboids().empty()) next_m = std::min(next_m, here_m + leaving_m);
+    if (!leaving_.obstacles().empty()) next_m = std::min(next_m, here_m + leaving_m);
     index = std::max(index + 1, placeFrom(next_m / unit_m_, part.halvings));
   }
 }
@@ -274,28 +278,42 @@ void WayAhead::place(const Way& way, std::size_t i, bool is_here) {
   const std::size_t shape = body_.shapes[i];
   const Part& part = parts_[i];
   ++poses_;
+  is_here_ = is_here;
   work_ += kWorkOfShape + kWorkOfJoint * part.chain.joints();
   T_fixed_shape_ = is_here ? here_->T_fixed_shapes[shape]
                            : part.chain.place(cursor_.positions(), way.T_fixed_roots) *
                                  robot_->model->shapes()[shape].T_link_shape;
 }
 
+void WayAhead::placeRegions(const Way& way, std::size_t i) {
+  const ExemptRegions& exempt = robot_->collision.exempted();
+  if (exempt.of_shapes.empty()) return;
+  for (const std::size_t region : exempt.of_shapes[i]) {
+    const std::optional<std::size_t>& link = exempt.regions[region].link;
+    if (!link) continue;
+    const LinkChain& chain = link_chains_[*link];
+    work_ += kWorkOfShape + kWorkOfJoint * chain.joints();
+    T_fixed_links_[*link] = is_here_ ? here_->T_fixed_links[*link]
+                                     : chain.place(cursor_.positions(), way.T_fixed_roots);
+  }
+}
+
 void WayAhead::beginLeaving(const Way& way, std::size_t i) {
   leaving_.begin(parts_[i].touched);
-  if (leaving_.cuboids().empty() || !cursor_.moveTo(MovingOut::kEscape)) return;
+  if (leaving_.obstacles().empty() || !cursor_.moveTo(MovingOut::kEscape)) return;
   place(way, i, false);
-  work_ += kWorkOfDistance * leaving_.cuboids().size();
-  leaving_.passEscape(way.map, solid(i, false), parts_[i].core, T_fixed_shape_);
+  work_ += kWorkOfDistance * leaving_.obstacles().size();
+  leaving_.passEscape(way.obstacles, solid(i, false), parts_[i].core, T_fixed_shape_);
 }
 
 double WayAhead::leave(const Way& way, std::size_t i, double here_m) {
   if (here_m <= MovingOut::kEscape) return MovingOut::kEscape - here_m;
   work_ += kWorkOfDistance * leaving_.followed();
-  return leaving_.update(way.map, parts_[i].core, T_fixed_shape_) / parts_[i].per_metre;
+  return leaving_.update(way.obstacles, parts_[i].core, T_fixed_shape_) / parts_[i].per_metre;
 }
 
 const std::vector<std::uint32_t>* WayAhead::left(bool with_margin) const {
-  return with_margin ? nullptr : &leaving_.cuboids();
+  return with_margin ? nullptr : &leaving_.obstacles();
 }
 
 const Shape& WayAhead::solid(std::size_t i, bool with_margin) const {
@@ -304,8 +322,9 @@ const Shape& WayAhead::solid(std::size_t i, bool with_margin) const {
 
 double WayAhead::freeAround(const Way& way, std::size_t i, bool with_margin) const {
   const double radius_m = std::min(kSearch, parts_[i].per_metre * end_m_) + kTouching;
-  const auto found = robot_->collision.nearest(way.map, solid(i, with_margin), T_fixed_shape_,
-                                               radius_m, left(with_margin));
+  const auto found =
+      robot_->collision.nearest(way.obstacles, solid(i, with_margin), T_fixed_shape_,
+                                static_cast<std::uint32_t>(i), radius_m, left(with_margin));
   const double metres = (found ? found->distance_m : radius_m) - kTouching;
   return std::max(0.0, metres) / parts_[i].per_metre;
 }
@@ -314,17 +333,17 @@ bool WayAhead::touches(const Way& way, std::size_t i, bool with_margin) {
   const Part& part = parts_[i];
   const Shape& shape = solid(i, with_margin);
   const auto index = static_cast<std::uint32_t>(i);
-  const auto cuboid =
-      robot_->collision.first(way.map, shape, T_fixed_shape_, index, left(with_margin));
-  if (!cuboid) return false;
+  placeRegions(way, i);
+  const auto obstacle = robot_->collision.first(way.obstacles, shape, T_fixed_shape_, index,
+                                                &T_fixed_links_, left(with_margin));
+  if (!obstacle) return false;
   const auto model_shape = static_cast<std::uint32_t>(body_.shapes[i]);
   const double time_s = cursor_.time(), speed = speeds_.of(i);
-  Found found{
-      {{model_shape, *cuboid},
-       time_s,
-       distance(shape, here_->T_fixed_shapes[model_shape], way.map.box(way.map.cuboids[*cuboid])),
-       speed,
-       with_margin}};
+  Found found{{{model_shape, *obstacle},
+               time_s,
+               way.obstacles.distanceTo(*obstacle, shape, here_->T_fixed_shapes[model_shape]),
+               speed,
+               with_margin}};
   // Within the margin it is when it touches what it will within the delay.
   found.stops = !with_margin && time_s <= halting_.haltTime(speed);
   const double touch_s = with_margin ? time_s + part.margin_m / speed : time_s;

@@ -16,11 +16,11 @@ namespace tccm {
 
 /// Finds, of all contacts along the ways ahead, the gravest.
 ///
-/// More cuboids, links, ways, padding or speed never make it milder, and that not only up to how
+/// More obstacles, links, ways, padding or speed never make it milder, and that not only up to how
 /// finely is looked: each primitive is looked at alone, at places of its way that neither what is
 /// around it, nor another primitive, nor its speed moves. They are a small part of a step apart,
-/// and closer near the way's begin. Places that the distance to the nearest cuboid proves free are
-/// passed over.
+/// and closer near the way's begin. Places that the distance to the nearest obstacle proves free
+/// are passed over.
 class WayAhead {
  public:
   struct Found {
@@ -74,7 +74,7 @@ class WayAhead {
     std::size_t halvings = 0;       ///< of the places' distances
     double free_halfway_m = 0.0;    ///< around it at the pose halfway
     std::vector<double> arms = {};  ///< of it with its margin, by variable
-    std::vector<std::uint32_t> touched = {};  ///< cuboids at the present pose
+    std::vector<std::uint32_t> touched = {};  ///< obstacles at the present pose
   };
   [[nodiscard]] Part partOf(std::size_t i) const;
   void prepare(std::size_t i);
@@ -92,6 +92,8 @@ class WayAhead {
   // Of a primitive where the cursor is:
 
   void place(const Way& way, std::size_t i, bool is_here);
+  /// The links that the regions it may touch things in move with.
+  void placeRegions(const Way& way, std::size_t i);
   /// Before the walk.
   void beginLeaving(const Way& way, std::size_t i);
   /// @return how far the cursor may go until any of what it leaves is ahead.
@@ -112,7 +114,7 @@ class WayAhead {
   std::shared_ptr<const CheckedRobot> robot_;
   UsedBody body_;  ///< never placed
   double step_m_;
-  double unit_m_ = 0.0;  ///< between two places, by what the cursor moves
+  double unit_m_;  ///< between two places, by what the cursor moves
   double margin_max_m_;
   WaySpeeds speeds_;
   MotionBound bound_;
@@ -124,6 +126,9 @@ class WayAhead {
   const Posture* here_ = nullptr;
   PathCursor cursor_;
   Pose T_fixed_shape_ = Pose::Identity();  ///< where the cursor is
+  bool is_here_ = false;                   ///< at the way's begin
+  std::vector<LinkChain> link_chains_;     ///< of all links
+  std::vector<Pose> T_fixed_links_;        ///< where the cursor is; those with regions alone
   double halfway_s_ = 0.0;
   double end_m_ = 0.0;  ///< of the primitive's way, by the cursor
   Leaving leaving_;     ///< where the cursor is

@@ -4,9 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "geometry/distance.h"
-#include "geometry/overlap.h"
-
 namespace tccm {
 namespace {
 
@@ -25,6 +22,7 @@ WayCheck::WayCheck(std::shared_ptr<const CheckedRobot> robot, double step_m)
       reach_max_m_(0.5 * step_m),
       near_(kDepthMax + 1),
       known_(body_.shapes.size()),
+      left_(body_.shapes.size()),
       work_end_(std::numeric_limits<std::size_t>::max()) {
   const std::size_t variables = robot_->model->variables().size();
   for (auto& shapes : near_) shapes.reserve(body_.shapes.size());
@@ -37,6 +35,24 @@ WayCheck::WayCheck(std::shared_ptr<const CheckedRobot> robot, double step_m)
 void WayCheck::allow(std::size_t work) {
   work_end_ = work_ + robot_->collision.work() + work;
   is_too_long_ = false;
+}
+
+void WayCheck::leave(const std::vector<Contact>& contacts) {
+  leaves_any_ = !contacts.empty();
+  for (std::size_t i = 0; i < left_.size(); ++i) {
+    left_[i].clear();
+    for (const Contact& contact : contacts) {
+      if (contact.shape == body_.shapes[i]) left_[i].push_back(contact.cuboid);
+    }
+    std::sort(left_[i].begin(), left_[i].end());
+  }
+}
+
+std::optional<std::uint32_t> WayCheck::first(const Way& way, const Shape& solid,
+                                             std::uint32_t shape,
+                                             const std::vector<Pose>* T_fixed_links) const {
+  return robot_->collision.first(way.obstacles, solid, body_.body.poses[shape], shape,
+                                 T_fixed_links, &left_[shape]);
 }
 
 bool WayCheck::isExhausted() {
@@ -62,8 +78,7 @@ double WayCheck::knownClearance(std::uint32_t shape) {
 
 std::optional<Contact> WayCheck::touching(const Way& way, std::uint32_t shape) {
   if (knownClearance(shape) > 0.0) return std::nullopt;
-  const auto cuboid =
-      robot_->collision.first(way.map, body_.body.shapes[shape], body_.body.poses[shape], shape);
+  const auto cuboid = first(way, body_.body.shapes[shape], shape, &kinematics_.linkPoses());
   if (!cuboid) return std::nullopt;
   return Contact{shape, *cuboid};
 }
@@ -72,14 +87,15 @@ bool WayCheck::comesNear(const Way& way, std::uint32_t shape, double metres) {
   Known& known = known_[shape];
   const Shape& solid = body_.body.shapes[shape];
   const Pose& pose = body_.body.poses[shape];
-  if (known.nearest) {
-    const UprightBox box = way.map.box(way.map.cuboids[*known.nearest]);
-    if (overlaps(expanded(solid, {1.0, metres}), pose, box)) return true;
+  if (known.nearest &&
+      way.obstacles.touches(*known.nearest, expanded(solid, {1.0, metres}), pose)) {
+    return true;
   }
-  const auto found = robot_->collision.nearest(way.map, solid, pose, metres + kTouching);
+  const auto found =
+      robot_->collision.nearest(way.obstacles, solid, pose, shape, metres + kTouching);
   known.clearance_m = found ? found->distance_m : metres + kTouching;
   known.travel = travel_;
-  if (found) known.nearest = found->cuboid;
+  if (found) known.nearest = found->obstacle;
   return found.has_value();
 }
 
@@ -113,9 +129,10 @@ std::optional<WayCheck::Found> WayCheck::search(const Way& way, double from_s, d
     if (knownClearance(shape) > moved || !comesNear(way, shape, moved)) continue;
     const bool is_jump = depth == kDepthMax && moved > reach_max_m_;
     std::optional<std::uint32_t> swept_cuboid;
-    if (robot_->collision.exemptsAny() || is_jump) {
+    if (robot_->collision.exempts(shape) || leaves_any_ || is_jump) {
+      // Regions that move are not over the whole stretch where they are in its middle.
       const Shape swept = expanded(body_.body.shapes[shape], {1.0, moved});
-      swept_cuboid = robot_->collision.first(way.map, swept, body_.body.poses[shape], shape);
+      swept_cuboid = first(way, swept, shape, nullptr);
       if (!swept_cuboid) continue;
     }
     shapes[near++] = shape;
@@ -156,10 +173,10 @@ std::optional<WayContact> WayCheck::firstContact(const Way& way, double from_s, 
   if (!found) return std::nullopt;
   const auto [shape, cuboid] = found->contact;
   place(way, from_s);
-  return WayContact{{static_cast<std::uint32_t>(body_.shapes[shape]), cuboid},
-                    found->time_s - from_s,
-                    distance(body_.body.shapes[shape], body_.body.poses[shape],
-                             way.map.box(way.map.cuboids[cuboid]))};
+  return WayContact{
+      {static_cast<std::uint32_t>(body_.shapes[shape]), cuboid},
+      found->time_s - from_s,
+      way.obstacles.distanceTo(cuboid, body_.body.shapes[shape], body_.body.poses[shape])};
 }
 
 }  // namespace tccm

@@ -27,6 +27,9 @@ class WayCheck {
   /// @param look_at_begin false: the pose at from_s is known to be free.
   [[nodiscard]] std::optional<WayContact> firstContact(const Way& way, double from_s, double to_s,
                                                        bool look_at_begin = true);
+  /// Contacts that do not count from now on, until the next call. Shapes are numbered as the
+  /// model's.
+  void leave(const std::vector<Contact>& contacts);
   /// At how many poses the last firstContact() looked.
   [[nodiscard]] std::size_t poses() const { return poses_; }
   /// How much may be done from now on until a way counts as too long to be judged, in the unit of
@@ -40,7 +43,7 @@ class WayCheck {
   struct Known {
     double clearance_m = 0.0;              ///< at least
     std::vector<double> travel;            ///< of the variables until then
-    std::optional<std::uint32_t> nearest;  ///< cuboid, then
+    std::optional<std::uint32_t> nearest;  ///< obstacle, then
   };
   struct Found {
     double time_s;
@@ -57,6 +60,11 @@ class WayCheck {
   // Of a shape of the robot as it was placed last:
 
   [[nodiscard]] std::optional<Contact> touching(const Way& way, std::uint32_t shape);
+  /// The first cuboid that a solid there touches and that counts.
+  /// @param T_fixed_links where regions are that move with links; without it they do not count.
+  [[nodiscard]] std::optional<std::uint32_t> first(const Way& way, const Shape& solid,
+                                                   std::uint32_t shape,
+                                                   const std::vector<Pose>* T_fixed_links) const;
   /// How far it is from everything at least.
   [[nodiscard]] double knownClearance(std::uint32_t shape);
   /// Whether anything lies within that distance. Regions that are exempt make no difference.
@@ -70,7 +78,9 @@ class WayCheck {
   /// Shapes that may touch something in a stretch of the way, by the number of halvings that made
   /// it: those that could not be proven free on the stretch that it is a part of.
   std::vector<std::vector<std::uint32_t>> near_;
-  std::vector<Known> known_;  ///< by shape
+  std::vector<Known> known_;                      ///< by shape
+  std::vector<std::vector<std::uint32_t>> left_;  ///< the same: cuboids that do not count
+  bool leaves_any_ = false;
   std::size_t poses_ = 0;
   std::size_t work_ = 0;      ///< without that of the collision check
   std::size_t work_end_ = 0;  ///< of both; see allow()

@@ -43,47 +43,82 @@ class HeldLayer {
     intervals_.push_back(interval);
     return true;
   }
-  /// These heights of a cell were seen again: they are held no longer.
+  /// These heights of a cell were seen again: they are held no longer. What is empty then goes with
+  /// the next releaseIf() or sort().
   /// @return false where the room ran out over it, and less is held than should be.
-  [[nodiscard]] bool seen(CellIndex cell, Columns::Heights heights) {
-    if (in_cell_[cell] == 0) return true;
-    return cut([&](const Interval& i) {
-      return i.cell == cell ? heights : Columns::Heights{0, 0};
-    });
-  }
+  [[nodiscard]] bool seen(CellIndex cell, Columns::Heights heights);
   /// Takes out of each interval the heights that heightsOf names for it; none: bottom >= top.
   /// @return as seen().
   template <typename HeightsOf>
   [[nodiscard]] bool cut(HeightsOf&& heightsOf);
-  /// Lets go of those that isOver says so of.
+  /// Lets go of those that isOver says so of, and of those that are empty.
   template <typename IsOver>
-  void releaseIf(IsOver&& isOver) {
-    const auto kept = std::remove_if(intervals_.begin(), intervals_.end(), [&](const Interval& i) {
-      if (!isOver(i)) return false;
-      --in_cell_[i.cell];
-      return true;
-    });
-    intervals_.erase(kept, intervals_.end());
-  }
+  void releaseIf(IsOver&& isOver);
   void clear() {
     intervals_.clear();
     std::fill(in_cell_.begin(), in_cell_.end(), std::uint16_t{0});
+    sorted_ = 0;
   }
 
+  /// @param visit (Interval): is shown those of the cells from `first` to `last`.
+  template <typename Visit>
+  void visit(CellIndex first, CellIndex last, Visit&& visit) const;
   /// By cell, then from low to high, once sort() was called since the last change.
   [[nodiscard]] const std::vector<Interval>& intervals() const { return intervals_; }
   void sort() {
+    releaseIf([](const Interval&) { return false; });
     std::sort(intervals_.begin(), intervals_.end(), [](const Interval& a, const Interval& b) {
       return a.cell != b.cell ? a.cell < b.cell : a.heights.bottom < b.heights.bottom;
     });
+    sorted_ = intervals_.size();
   }
   [[nodiscard]] std::size_t memoryBytes() const { return bytesOf(in_cell_, intervals_); }
 
  private:
+  static bool isEmpty(const Interval& i) { return i.heights.bottom >= i.heights.top; }
+  /// The first in order whose cell is not below that one.
+  [[nodiscard]] std::size_t firstFrom(CellIndex cell) const {
+    const auto end = intervals_.begin() + static_cast<std::ptrdiff_t>(sorted_);
+    return static_cast<std::size_t>(
+        std::lower_bound(intervals_.begin(), end, cell,
+                         [](const Interval& i, CellIndex c) { return i.cell < c; }) -
+        intervals_.begin());
+  }
+  [[nodiscard]] bool cut(Interval& held, Columns::Heights heights);
+
   std::vector<std::uint16_t> in_cell_;  ///< how many each cell has
   std::vector<Interval> intervals_;
+  std::size_t sorted_ = 0;  ///< so many of them are in order, from the first
   std::size_t intervals_max_;
 };
+
+/// Takes the heights out of one.
+inline bool HeldLayer::cut(Interval& held, Columns::Heights heights) {
+  if (heights.bottom >= heights.top || held.heights.top <= heights.bottom ||
+      held.heights.bottom >= heights.top) {
+    return true;
+  }
+  Interval above = held;
+  above.heights.bottom = heights.top;
+  held.heights.top = std::min(held.heights.top, heights.bottom);
+  if (isEmpty(above)) return true;
+  if (!isEmpty(held)) return hold(above);
+  held = above;
+  return true;
+}
+
+inline bool HeldLayer::seen(CellIndex cell, Columns::Heights heights) {
+  if (in_cell_[cell] == 0) return true;
+  if (intervals_.size() == intervals_max_) releaseIf([](const Interval&) { return false; });
+  bool fits = true;
+  for (std::size_t i = firstFrom(cell); i < sorted_ && intervals_[i].cell == cell; ++i) {
+    fits = cut(intervals_[i], heights) && fits;
+  }
+  for (std::size_t i = sorted_; i < intervals_.size(); ++i) {
+    if (intervals_[i].cell == cell) fits = cut(intervals_[i], heights) && fits;
+  }
+  return fits;
+}
 
 template <typename HeightsOf>
 bool HeldLayer::cut(HeightsOf&& heightsOf) {
@@ -91,24 +126,37 @@ bool HeldLayer::cut(HeightsOf&& heightsOf) {
   // Those that are added at the end have been cut already.
   const std::size_t count = intervals_.size();
   for (std::size_t i = 0; i < count; ++i) {
-    Interval& held = intervals_[i];
-    const Columns::Heights heights = heightsOf(static_cast<const Interval&>(held));
-    if (heights.bottom >= heights.top || held.heights.top <= heights.bottom ||
-        held.heights.bottom >= heights.top) {
+    const Columns::Heights heights = heightsOf(static_cast<const Interval&>(intervals_[i]));
+    fits = cut(intervals_[i], heights) && fits;
+  }
+  releaseIf([](const Interval&) { return false; });
+  return fits;
+}
+
+template <typename IsOver>
+void HeldLayer::releaseIf(IsOver&& isOver) {
+  std::size_t kept = 0, sorted = 0;
+  for (std::size_t i = 0; i < intervals_.size(); ++i) {
+    const Interval& interval = intervals_[i];
+    if (isEmpty(interval) || isOver(interval)) {
+      --in_cell_[interval.cell];
       continue;
     }
-    Interval above = held;
-    above.heights.bottom = heights.top;
-    held.heights.top = std::min(held.heights.top, heights.bottom);
-    if (above.heights.bottom >= above.heights.top) continue;
-    if (held.heights.bottom >= held.heights.top) {
-      held = above;
-    } else {
-      fits = hold(above) && fits;
-    }
+    if (i < sorted_) ++sorted;
+    intervals_[kept++] = interval;
   }
-  releaseIf([](const Interval& i) { return i.heights.bottom >= i.heights.top; });
-  return fits;
+  intervals_.resize(kept);
+  sorted_ = sorted;
+}
+
+template <typename Visit>
+void HeldLayer::visit(CellIndex first, CellIndex last, Visit&& visit) const {
+  for (std::size_t i = firstFrom(first); i < sorted_ && intervals_[i].cell <= last; ++i) {
+    visit(intervals_[i]);
+  }
+  for (std::size_t i = sorted_; i < intervals_.size(); ++i) {
+    if (intervals_[i].cell >= first && intervals_[i].cell <= last) visit(intervals_[i]);
+  }
 }
 
 }  // namespace tccm

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 #include "tccm_monitor/config_error.h"
 
@@ -47,6 +46,9 @@ void Hold::Config::describe(ParameterTable& table) {
             "apart");
   table.add("hold_look_short_m", &look_short_m, "m", {0.0, 1.0},
             "a look that ends this much before a place saw it all the same");
+  table.add("hold_support_points", &support_points, "points", {1.0, 1000.0},
+            "what leaves the window is held where so many returns lie around; a camera's flying "
+            "pixels, which are fewer, must not gather");
   table.add("held_max", &intervals_max, "", {1.0, 1e7},
             "intervals that are held at most; where more should be: MAP_OVERFLOW");
 }
@@ -95,8 +97,9 @@ void Hold::expireOldest(IntegrationMap& map, const LookImage& looks, Time now) {
       return;
     }
     const std::uint32_t points = std::max(1U, map.pointsIn(interval.cell, heights));
-    const std::uint32_t support = std::max(points, map.pointsAround(interval.cell, heights)) +
-                                  heldAround(map.grid(), interval.cell, heights);
+    const std::uint32_t around = std::max(points, map.pointsAround(interval.cell, heights));
+    if (around < config_.support_points) return;
+    const std::uint32_t support = around + heldAround(map.grid(), interval.cell, heights);
     const bool fits = held_.hold(
         {interval.cell, heights, points, support, interval.serial, interval.born, seen, now});
     if (!fits) lost_serial_ = map.serial();
@@ -106,16 +109,14 @@ void Hold::expireOldest(IntegrationMap& map, const LookImage& looks, Time now) {
 /// Returns that are held near an interval.
 std::uint32_t Hold::heldAround(const Grid& grid, CellIndex cell, Columns::Heights heights) const {
   const Height reach = grid.heightOf(IntegrationMap::kSupportHeight);
-  const auto column = [&grid](CellIndex c) { return static_cast<int>(c % grid.cellsX()); };
-  const auto row = [&grid](CellIndex c) { return static_cast<int>(c / grid.cellsX()); };
   std::uint32_t points = 0;
-  for (const HeldLayer::Interval& held : held_.intervals()) {
-    const bool is_near = std::abs(column(held.cell) - column(cell)) <= 1 &&
-                         std::abs(row(held.cell) - row(cell)) <= 1 &&
-                         held.heights.bottom - reach <= heights.top &&
-                         heights.bottom - reach <= held.heights.top;
-    if (is_near) points += held.points;
-  }
+  grid.visitRowsAround(cell, [&](CellIndex first, CellIndex last) {
+    held_.visit(first, last, [&](const HeldLayer::Interval& held) {
+      const bool is_near =
+          held.heights.bottom - reach <= heights.top && heights.bottom - reach <= held.heights.top;
+      if (is_near) points += held.points;
+    });
+  });
   return points;
 }
 
@@ -144,6 +145,7 @@ void Mapper::Config::describe(ParameterTable& table) {
             "a scan older than the last by more starts the map over");
   looks.describe(table);
   hold.describe(table);
+  appearances.describe(table);
 }
 
 void Mapper::Config::validate() const {
@@ -159,6 +161,7 @@ Mapper::Mapper(const Config& config)
       looks_(config.looks),
       hold_(config.hold, map_),
       self_share_(config.map.scans_max),
+      appearances_(config.appearances, map_, config.looks.resolution_rad),
       tilt_(config.tilt) {}
 
 Mapper::Outcome Mapper::add(const ScanReturns& scan) {
@@ -174,6 +177,7 @@ Mapper::Outcome Mapper::add(const ScanReturns& scan) {
   followTilt(scan.stamp, scan.tilt);
   if (map_.scans() == config_.map.scans_max) expireOldest();
   const auto added = map_.add(scan.stamp, scan.points);
+  if (scan.is_whole) appearances_.follow(map_, looks_.image());
   looks_.add(scan.stamp, scan.looks, scan.is_whole);
   countSelf(scan);
   hold_.follow(scan, map_, looks_.image());
@@ -187,6 +191,7 @@ void Mapper::clear() {
   looks_.clear();
   hold_.clear();
   self_share_.clear();
+  appearances_.clear();
   tilt_.reset();
   last_period_.reset();
   tilt_stopped_ = false;
@@ -269,6 +274,7 @@ bool Mapper::complete() const {
 
 void Mapper::snapshot(CuboidMap& map) const {
   map_.snapshot(map, hold_.held());
+  appearances_.apply(map_, map);
   map.complete = complete();
   map.overflowed = map.overflowed || hold_.overflowed(map_);
   map.tilt_stopped = tilt_stopped_;

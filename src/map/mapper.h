@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "config/parameter_table.h"
+#include "map/appearances.h"
 #include "map/held_layer.h"
 #include "map/integration_map.h"
 #include "map/self_share.h"
@@ -26,6 +27,7 @@ class Hold {
     double look_angle_rad = 0.0175;
     double outline_rad = 0.04;
     double look_short_m = 0.05;
+    std::size_t support_points = 1;
     std::size_t intervals_max = 20000;
 
     void describe(ParameterTable& table);
@@ -88,6 +90,7 @@ class Mapper {
     double time_jump_back_s = 0.1;  ///< time began anew, as when a recording is played again
     LookMap::Config looks;
     Hold::Config hold;
+    Appearances::Config appearances;
 
     void describe(ParameterTable& table);
     /// @throws ConfigError where two values contradict each other.
@@ -131,7 +134,7 @@ class Mapper {
   }
   [[nodiscard]] std::size_t memoryBytes() const {
     return map_.memoryBytes() + looks_.memoryBytes() + hold_.memoryBytes() +
-           self_share_.memoryBytes();
+           self_share_.memoryBytes() + appearances_.memoryBytes();
   }
 
  private:
@@ -147,6 +150,7 @@ class Mapper {
   LookMap looks_;
   Hold hold_;
   SelfShare self_share_;
+  Appearances appearances_;
   TiltPeriod tilt_;
   std::optional<Duration> last_period_;  ///< of the tilt, also where it has stopped since
   bool tilt_stopped_ = false;            ///< and has not made a whole period again

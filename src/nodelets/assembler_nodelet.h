@@ -142,8 +142,8 @@ class AssemblerNodelet : public DiagnosedNodelet {
     const float removed = at(BeamKind::kMixedPixel) + at(BeamKind::kSelf) + at(BeamKind::kShadow);
     const float returns = at(BeamKind::kReturn) + removed;
     report.outcome = tccm_monitor::ScanReport::ASSEMBLED;
-    report.measured_fraction =
-        (returns + at(BeamKind::kNoReturn)) / std::max(1.0F, static_cast<float>(beams));
+    report.measured_fraction = (returns + at(BeamKind::kThinned) + at(BeamKind::kNoReturn)) /
+                               std::max(1.0F, static_cast<float>(beams));
     report.removed_fraction = returns > 0.0F ? removed / returns : 0.0F;
   }
 
@@ -199,7 +199,7 @@ class AssemblerNodelet : public DiagnosedNodelet {
     status.add("joint states dropped: stamped in the future", future_joints_);
     if (!transforms_->defect().empty()) status.add("tf", transforms_->defect());
     const char* const kinds[kBeamKinds] = {"kept",        "no return", "too close", "unknown",
-                                           "mixed pixel", "self",      "shadow"};
+                                           "mixed pixel", "self",      "shadow",    "thinned"};
     for (std::size_t i = 0; i < kBeamKinds; ++i) {
       status.add(std::string("beams: ") + kinds[i], beams_[i]);
     }

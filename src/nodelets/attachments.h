@@ -95,7 +95,7 @@ class Attachments {
       return true;
     if (is_new) list_.objects.push_back(message);
     if (!is_new) *known = message;  // until a map has taken the new one the old one is checked
-    if (pending_.empty()) pending_since_ = ros::WallTime::now();
+    pending_since_ = ros::WallTime::now();
     pending_.insert(request.name);
     publish();
     return true;
@@ -164,7 +164,7 @@ class Attachments {
   Checker& checker_;
   tccm_monitor::AttachedObjects list_;
   std::set<std::string> pending_;  ///< names that the checker does not count as in the list yet
-  ros::WallTime pending_since_;
+  ros::WallTime pending_since_;    ///< when the last of them was attached
   ros::Time let_go_;  ///< when something was last let go of; zero once a window has passed since
   ros::Publisher publisher_;
   ros::ServiceServer attach_service_, detach_service_;

@@ -13,10 +13,14 @@ std::uint8_t resultOf(Reason reason) {
   using Response = CheckState::Response;  // those of CheckTrajectory are the same
   switch (reason) {
     case Reason::kClear:
+    case Reason::kMovingOut:
       return Response::FREE;
     case Reason::kCollision:
     case Reason::kCollisionAhead:
       return Response::COLLISION;
+    case Reason::kKeepOut:
+    case Reason::kKeepOutAhead:
+      return Response::KEEP_OUT;
     case Reason::kOcclusion:
     case Reason::kOcclusionAhead:
       return Response::OCCLUDED;
@@ -76,14 +80,74 @@ bool CollisionChecker::addExemption(AddExemption::Request& request,
   const ros::Time now = ros::Time::now();
   try {
     if (now.isZero()) throw ConfigError(kNoTimeYet);
-    checker_->addExemption(toTime(now),
-                           {request.owner, request.link, fromMessage(request.region, "region"), {}},
-                           request.duration.toSec());
+    Exemption exemption{request.owner, request.link, fromMessage(request.region, "region"), {}};
+    exemption.frame = withoutSlash(request.frame);
+    exemption.with_goal = request.with_goal;
+    checker_->addExemption(toTime(now), exemption, request.duration.toSec());
+    placeExemptFrames();
+    checker_->updateExemptions(toTime(now));
     response.success = true;
-    response.until = now + request.duration;
-    ROS_WARN("Exemption of '%s': '%s' may touch what lies in its region for %.1f s.",
-             request.owner.c_str(), request.link.c_str(), request.duration.toSec());
+    response.until = now;
+    for (const Exemption& added : checker_->exemptions()) {
+      if (added.owner != request.owner || added.link != request.link) continue;
+      response.until = toRos(added.until);
+      response.message = checker_->whyNotInForce(added);
+    }
+    ROS_WARN("Exemption of '%s': '%s' may touch what lies in its region for %.1f s%s.",
+             request.owner.c_str(), request.link.c_str(), request.duration.toSec(),
+             request.with_goal ? ", with a goal" : "");
   } catch (const std::exception& error) {  // a sum of times may be more than a ros::Time holds
+    response.message = error.what();
+  }
+  return true;
+}
+
+bool CollisionChecker::setKeepOut(SetKeepOut::Request& request, SetKeepOut::Response& response) {
+  try {
+    const Vector3 size(request.size.x, request.size.y, request.size.z);
+    if (request.remove != 0) {
+      checker_->removeKeepOut(request.name);
+      ROS_INFO("Keep-out region '%s' is removed.", request.name.c_str());
+    } else {
+      checker_->setKeepOut(
+          {request.name, request.frame, Box{0.5 * size}, fromMessage(request.pose, "pose")});
+      ROS_INFO("No link may enter keep-out region '%s'.", request.name.c_str());
+    }
+    response.success = true;
+  } catch (const ConfigError& error) {
+    response.message = error.what();
+  }
+  return true;
+}
+
+bool CollisionChecker::liftExemption(LiftExemption::Request& request,
+                                     LiftExemption::Response& response) {
+  const std::size_t lifted = checker_->liftExemptions(request.owner, request.link);
+  response.lifted = static_cast<std::uint32_t>(lifted);
+  response.success = lifted > 0;
+  if (lifted == 0) {
+    response.message = "'" + request.owner + "' has no exemption" +
+                       (request.link.empty() ? "" : " for '" + request.link + "'") +
+                       ": see list_exemptions";
+  }
+  return true;
+}
+
+bool CollisionChecker::listExemptions(ListExemptions::Request& /*request*/,
+                                      ListExemptions::Response& response) {
+  const ros::Time now = ros::Time::now();
+  if (!now.isZero()) checker_->updateExemptions(toTime(now));
+  response.exemptions = exemptionsOf(*checker_);
+  return true;
+}
+
+bool CollisionChecker::reportGoal(ReportGoal::Request& request, ReportGoal::Response& response) {
+  const ros::Time now = ros::Time::now();
+  try {
+    if (now.isZero()) throw ConfigError(kNoTimeYet);
+    checker_->reportGoal(toTime(now), request.owner, request.goal, request.under_way);
+    response.success = true;
+  } catch (const std::exception& error) {
     response.message = error.what();
   }
   return true;

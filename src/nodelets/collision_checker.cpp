@@ -50,6 +50,8 @@ void CollisionChecker::setUp() {
   config_ = configFrom<CheckerConfig>(privateNode());
   tellDifferences(privateNode(), config_);
   config_.checker.inputs.fixed_frame = config_.fixed_frame;
+  double& stop_duration_s = config_.checker.braking.stop_duration_s;
+  stop_duration_s = std::max(stop_duration_s, gatesStopDuration());
   checker_ = std::make_unique<Checker>(sharedRobotModel(node()), config_.checker);
   NODELET_INFO("Self-test passed: a cuboid in any of %zu primitives is found.",
                checker_->checkHere().collisionBody().shapes.size());
@@ -74,6 +76,10 @@ void CollisionChecker::setUp() {
   services_ = {serve(node(), "check_state", &CollisionChecker::checkState, this),
                serve(node(), "check_trajectory", &CollisionChecker::checkTrajectory, this),
                serve(node(), "add_exemption", &CollisionChecker::addExemption, this),
+               serve(node(), "set_keep_out", &CollisionChecker::setKeepOut, this),
+               serve(node(), "lift_exemption", &CollisionChecker::liftExemption, this),
+               serve(node(), "list_exemptions", &CollisionChecker::listExemptions, this),
+               serve(node(), "report_goal", &CollisionChecker::reportGoal, this),
                serve(node(), "reset", &CollisionChecker::reset, this)};
   tuning_ = std::make_unique<Tuning>(privateNode(), config_, *checker_);
   inputs_ = hearTransforms(node(), *transforms_, [this] { receiveTransforms(); });
@@ -89,6 +95,18 @@ void CollisionChecker::setUp() {
   });
   picture_timer_ = timer(1.0 / config_.marker_rate_hz, [this] { publishPictures(); });
   export_timer_ = timer(1.0 / config_.export_rate_hz, [this] { publishOccupied(); });
+}
+
+double CollisionChecker::gatesStopDuration() const {
+  GateConfig gate;
+  // Of keys that nothing reads the gate tells.
+  load(parametersOf(ros::NodeHandle(node(), MonitorConfig::kGateSection)),
+       MonitorConfig::kGateSection, gate);
+  if (!gate.controllers.empty()) {
+    NODELET_INFO("Arms take up to %.3g s to halt, as %s has it.", gate.stopDurationMax(),
+                 node().resolveName(MonitorConfig::kGateSection).c_str());
+  }
+  return gate.stopDurationMax();
 }
 
 void CollisionChecker::makeFeeds() {
@@ -162,6 +180,14 @@ void CollisionChecker::receiveTransforms() {
   for (std::size_t i = 0; i < roots.size(); ++i) {
     const auto root = transforms_->newest(withoutSlash(config_.fixed_frame), roots[i]);
     if (root) checker_->setRootPose(i, root->stamp, root->pose, root->is_static);
+  }
+  placeExemptFrames();
+}
+
+void CollisionChecker::placeExemptFrames() {
+  for (const std::string& frame : checker_->exemptFrames()) {
+    const auto place = transforms_->newest(withoutSlash(config_.fixed_frame), frame);
+    if (place) checker_->setExemptFrame(frame, place->stamp, place->pose, place->is_static);
   }
 }
 
@@ -373,6 +399,11 @@ void CollisionChecker::diagnose(diagnostic_updater::DiagnosticStatusWrapper& sta
     if (!out.empty()) status.add("sensor that failed, not required", out);
   }
   status.add("exemptions", checker_->exemptions().size());
+  status.add("keep-out regions", checker_->keepOut().size());
+  for (const Exemption& exemption : checker_->exemptions()) {
+    const std::string why_not = checker_->whyNotInForce(exemption);
+    if (!why_not.empty()) status.add("exemption of " + exemption.owner + ", not in force", why_not);
+  }
   if (!transforms_->defect().empty()) status.add("tf", transforms_->defect());
   diagnoseAgreement(status);
 }

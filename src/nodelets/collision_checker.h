@@ -6,8 +6,12 @@
 #include <tccm_monitor/CheckState.h>
 #include <tccm_monitor/CheckTrajectory.h>
 #include <tccm_monitor/CuboidMap.h>
+#include <tccm_monitor/LiftExemption.h>
+#include <tccm_monitor/ListExemptions.h>
 #include <tccm_monitor/MonitorStatus.h>
+#include <tccm_monitor/ReportGoal.h>
 #include <tccm_monitor/ScanReport.h>
+#include <tccm_monitor/SetKeepOut.h>
 #include <trajectory_msgs/JointTrajectory.h>
 
 #include <cmath>
@@ -28,6 +32,10 @@ namespace tccm {
 using tccm_monitor::AddExemption;
 using tccm_monitor::CheckState;
 using tccm_monitor::CheckTrajectory;
+using tccm_monitor::LiftExemption;
+using tccm_monitor::ListExemptions;
+using tccm_monitor::ReportGoal;
+using tccm_monitor::SetKeepOut;
 
 /// Nodelet: `cuboid_map` and `scan_report` of each sensor, `joint_states`, `trajectory` and tf in;
 /// `motion_permission`, flags and `monitor_status` out, from a timer whatever comes in, and at once
@@ -49,6 +57,8 @@ class CollisionChecker : public DiagnosedNodelet {
   void setUp() override;
   /// Tells what is not compared with tf, as often as that becomes more.
   void nowAndThen() override;
+  /// [s] that arms behind a TrajectoryGate take to halt.
+  [[nodiscard]] double gatesStopDuration() const;
   void makeFeeds();
   void receiveMap(const SensorFeed& feed);
   void tellAttachments();
@@ -57,6 +67,8 @@ class CollisionChecker : public DiagnosedNodelet {
   void receiveTrajectory(const trajectory_msgs::JointTrajectory::ConstPtr& message);
   void receiveTransforms();
   void placeRootsInFixedFrame();
+  /// Those that exemptions are given in, off the way from a scan to its verdict.
+  void placeExemptFrames();
   /// Now and then, off the way from a scan to its verdict.
   void compareWithModel();
   /// Checks, and publishes where it got worse. Whatever goes wrong is a fault.
@@ -69,6 +81,10 @@ class CollisionChecker : public DiagnosedNodelet {
   bool checkState(CheckState::Request& request, CheckState::Response& response);
   bool checkTrajectory(CheckTrajectory::Request& request, CheckTrajectory::Response& response);
   bool addExemption(AddExemption::Request& request, AddExemption::Response& response);
+  bool setKeepOut(SetKeepOut::Request& request, SetKeepOut::Response& response);
+  bool liftExemption(LiftExemption::Request& request, LiftExemption::Response& response);
+  bool listExemptions(ListExemptions::Request& request, ListExemptions::Response& response);
+  bool reportGoal(ReportGoal::Request& request, ReportGoal::Response& response);
   bool reset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   /// What the core cannot know.
   [[nodiscard]] Cause outsideCause() const;

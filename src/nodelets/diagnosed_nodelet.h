@@ -5,8 +5,6 @@
 #include <nodelet/nodelet.h>
 #include <ros/ros.h>
 
-#include <atomic>
-#include <boost/make_shared.hpp>
 #include <boost/shared_ptr.hpp>
 #include <limits>
 #include <list>
@@ -18,29 +16,9 @@
 
 #include "nodelets/callback_thread.h"
 #include "ros/handles.h"
+#include "ros/message_pool.h"
 
 namespace tccm {
-
-/// Messages to be published by pointer, used again once every subscriber has let go of them: after
-/// a while nothing is allocated any more.
-template <typename Message>
-class MessagePool {
- public:
-  /// A message that nobody else holds, with the content of an earlier use.
-  boost::shared_ptr<Message> take() {
-    for (const auto& message : messages_) {
-      if (!message.unique()) continue;
-      // Whoever let go of it last may have read it in another thread.
-      std::atomic_thread_fence(std::memory_order_acquire);
-      return message;
-    }
-    messages_.push_back(boost::make_shared<Message>());
-    return messages_.back();
-  }
-
- private:
-  std::vector<boost::shared_ptr<Message>> messages_;
-};
 
 /// What the nodelets have in common. All callbacks of one run one after the other, from when it is
 /// set up until it ends.
@@ -85,9 +63,9 @@ class DiagnosedNodelet : public nodelet::Nodelet {
         diagnostic_updater::FrequencyStatusParam(&rate_min_hz, &rate_max_hz_, 0.0),
         diagnostic_updater::TimeStampStatusParam(-future_max_s, age_max_s));
   }
-  template <typename Message, typename Derived>
+  template <typename Received, typename Derived>
   [[nodiscard]] ros::Subscriber hear(const std::string& topic, std::uint32_t queue,
-                                     void (Derived::*receive)(const Message&)) {
+                                     void (Derived::*receive)(const Received&)) {
     return tccm::hear(node(), topic, queue, receive, static_cast<Derived*>(this));
   }
   /// By wall time, also where simulated time stands still.

@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <sstream>
+#include <string>
 
 #include "nodelets/status_conversions.h"
 #include "ros/conversions.h"
@@ -15,6 +17,8 @@ namespace tccm {
 namespace {
 
 using std_msgs::ColorRGBA;
+
+constexpr std::size_t kTextWidth = 44;  // characters
 
 ColorRGBA color(float r, float g, float b, float a = 1.0F) {
   ColorRGBA c;
@@ -52,8 +56,10 @@ constexpr std::array<Face, 6> kFaces{{{{4, 5, 7, 6}, 1.0F},
                                       {{0, 1, 5, 4}, 0.75F}}};
 
 UprightBox boxOf(const tccm_monitor::CuboidMap& map, const tccm_monitor::Cuboid& cuboid) {
-  const double x = map.origin_x + (cuboid.cell % map.cells_x) * map.cell_size;
-  const double y = map.origin_y + (cuboid.cell / map.cells_x) * map.cell_size;
+  const auto column = cuboid.cell % map.cells_x;
+  const auto row = cuboid.cell / map.cells_x;
+  const double x = map.origin_x + column * map.cell_size;
+  const double y = map.origin_y + row * map.cell_size;
   const auto top = static_cast<double>(cuboid.top);
   return {Vector3(x, y, top - static_cast<double>(cuboid.depth)),
           Vector3(x + map.cell_size, y + map.cell_size, top)};
@@ -136,9 +142,11 @@ class MarkerList {
 ColorRGBA colorOf(std::size_t shape, const PoseFindings& findings, const Checker& checker,
                   float alpha) {
   const std::size_t link = checker.model()->shapes()[shape].link;
-  const bool touches = std::any_of(findings.contacts.begin(), findings.contacts.end(),
-                                   [shape](const Contact& c) { return c.shape == shape; });
-  if (touches) return magenta(alpha);
+  const auto isAmong = [shape](const std::vector<Contact>& contacts) {
+    return std::any_of(contacts.begin(), contacts.end(),
+                       [shape](const Contact& c) { return c.shape == shape; });
+  };
+  if (isAmong(findings.contacts) || isAmong(findings.keep_out)) return magenta(alpha);
   const bool hidden = std::any_of(
       findings.links.begin(), findings.links.end(), [&](const LinkVisibility& visibility) {
         return visibility.link == link && checker.checkHere().isOccluded(visibility);
@@ -168,15 +176,30 @@ std::string numbersOf(const Verdict& verdict, const RobotModel& model) {
   return std::string(speed) + unseen + clear;
 }
 
+/// In lines of so many characters or, where a word is longer, of one word: rviz centres a text, and
+/// a long line would leave the view.
+std::string inLines(const std::string& text, std::size_t width) {
+  std::string lines, word;
+  std::size_t length = 0;
+  std::istringstream words(text);
+  while (words >> word) {
+    const bool fits = length > 0 && length + 1 + word.size() <= width;
+    if (length > 0) lines += fits ? ' ' : '\n';
+    length = fits ? length + 1 + word.size() : word.size();
+    lines += word;
+  }
+  return lines;
+}
+
 /// Above the robot, wherever it is.
 void addText(const Verdict& verdict, const RobotModel& model, MarkerList& markers) {
   Marker& marker =
       markers.add("status", Marker::TEXT_VIEW_FACING, {0.0, 0.0, 0.05}, colorOf(verdict.level));
   marker.header.frame_id = model.rootFrames().front();
   marker.header.stamp = ros::Time();
-  marker.pose.position.z = 1.7;
+  marker.pose.position.z = 1.65;
   marker.text = std::string(name(verdict.level)) + " " + name(verdict.reason);
-  if (!verdict.detail.empty()) marker.text += "\n" + verdict.detail;
+  if (!verdict.detail.empty()) marker.text += "\n" + inLines(verdict.detail, kTextWidth);
   if (verdict.placed) marker.text += "\n" + numbersOf(verdict, model);
 }
 
@@ -241,6 +264,33 @@ void addEvidenceAges(const Checker& checker, MarkerList& markers) {
   }
 }
 
+/// Each in its own frame, so that it shows before the robot can be placed.
+void addKeepOut(const Verdict& verdict, const Checker& checker, const std::string& fixed_frame,
+                MarkerList& markers) {
+  const auto touches = [&verdict](std::size_t region) {
+    const std::vector<Contact>& contacts = verdict.now.keep_out;
+    return std::any_of(contacts.begin(), contacts.end(),
+                       [region](const Contact& contact) { return contact.cuboid == region; });
+  };
+  const std::vector<KeepOutRegion>& regions = checker.keepOut();
+  for (std::size_t i = 0; i < regions.size(); ++i) {
+    const KeepOutRegion& region = regions[i];
+    const std::string& frame = region.frame.empty() ? fixed_frame : region.frame;
+    const Vector3 size = 2.0 * region.box.half_extents;
+    const auto place = [&](Marker& marker) {
+      marker.header.frame_id = frame;
+      if (frame != fixed_frame) marker.header.stamp = ros::Time();
+      marker.pose = tf2::toMsg(region.T_frame_box);
+    };
+    place(markers.addNumbered("keep out", Marker::CUBE, size,
+                              touches(i) ? magenta(0.3F) : color(0.9F, 0.3F, 0.1F, 0.2F)));
+    Marker& text = markers.addNumbered("keep out names", Marker::TEXT_VIEW_FACING, {0.0, 0.0, 0.05},
+                                       color(1.0F, 0.6F, 0.4F));
+    place(text);
+    text.text = region.name;
+  }
+}
+
 }  // namespace
 
 Marker toMarker(const tccm_monitor::CuboidMap& map, CuboidLayer layer, int static_windows) {
@@ -272,10 +322,13 @@ MarkerArray toMarkers(const Verdict& verdict, const Checker& checker, const std:
     addUnseen(checker.evidence().unseenPlaces(), markers);
     addEvidenceAges(checker, markers);
   }
-  for (const Exemption& exemption : checker.exemptions()) {
-    markers.add("exemptions", exemption.region.shape, exemption.region.pose,
-                color(0.2F, 0.9F, 0.9F, 0.3F));
+  for (std::size_t i = 0; i < checker.exemptions().size(); ++i) {
+    const Exemption& exemption = checker.exemptions()[i];
+    const std::optional<Pose> pose = checker.regionPose(i);
+    if (!pose || exemption.state != Exemption::State::kInForce) continue;
+    markers.add("exemptions", exemption.region.shape, *pose, color(0.2F, 0.9F, 0.9F, 0.3F));
   }
+  addKeepOut(verdict, checker, frame, markers);
   addText(verdict, *checker.model(), markers);
   return markers.take();
 }

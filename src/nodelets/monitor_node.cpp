@@ -100,6 +100,12 @@ Nodelets nodeletsOf(Remappings& remappings) {
   }
   if (nodelets.empty()) addSensor("", SensorConfig::kScanAssembler);
   nodelets.push_back({"collision_checker", "tccm_monitor/CollisionChecker"});
+  const std::string gate = MonitorConfig::kGateSection;
+  XmlRpc::XmlRpcValue controllers;
+  if (ros::param::get(gate + "/controllers", controllers) && controllers.valid() &&
+      controllers.getType() == XmlRpc::XmlRpcValue::TypeArray && controllers.size() > 0) {
+    nodelets.push_back({gate, "tccm_monitor/TrajectoryGate"});
+  }
   return nodelets;
 }
 

@@ -1,5 +1,7 @@
 #include "nodelets/status_conversions.h"
 
+#include <tf2_eigen/tf2_eigen.h>
+
 #include <limits>
 
 #include "ros/conversions.h"
@@ -101,6 +103,9 @@ std::vector<Flagged> flaggedBy(const Verdict& verdict) {
       flagged.push_back({cuboid, tccm_monitor::Cuboid::OCCLUSION});
     }
   }
+  if (verdict.approached) {
+    flagged.push_back({verdict.approached->cuboid, tccm_monitor::Cuboid::COLLISION});
+  }
   return flagged;
 }
 
@@ -112,6 +117,23 @@ tccm_monitor::CuboidFlag toFlag(const CuboidMap& map, std::uint32_t index, std::
   flag.top = static_cast<float>(map.grid.metres(cuboid.top));
   flag.col = col;
   return flag;
+}
+
+std::vector<tccm_monitor::Exemption> exemptionsOf(const Checker& checker) {
+  std::vector<tccm_monitor::Exemption> messages;
+  for (const Exemption& exemption : checker.exemptions()) {
+    const auto pose = checker.regionPose(messages.size());
+    tccm_monitor::Exemption& message = messages.emplace_back();
+    message.owner = exemption.owner;
+    message.link = exemption.link;
+    message.frame = exemption.frame;
+    message.with_goal = exemption.with_goal;
+    message.region = toMessage(exemption.region);
+    if (pose) message.pose = tf2::toMsg(*pose);
+    message.until = toRos(exemption.until);
+    message.why_not = checker.whyNotInForce(exemption);
+  }
+  return messages;
 }
 
 MonitorStatus statusOf(const Verdict& verdict, const Checker& checker) {
@@ -134,13 +156,7 @@ MonitorStatus statusOf(const Verdict& verdict, const Checker& checker) {
   message.governed_scale = verdict.placed ? static_cast<float>(verdict.governed_scale) : kNotKnown;
   message.unseen_fraction =
       verdict.placed ? static_cast<float>(verdict.unseen_fraction) : kNotKnown;
-  for (const Exemption& exemption : checker.exemptions()) {
-    auto& out = message.exemptions.emplace_back();
-    out.owner = exemption.owner;
-    out.link = exemption.link;
-    out.region = toMessage(exemption.region);
-    out.until = toRos(exemption.until);
-  }
+  message.exemptions = exemptionsOf(checker);
   for (const AttachedObject& object : checker.attached()) {
     message.attached_objects.push_back(object.name);
   }

@@ -1,64 +1,19 @@
 #include "robot/joint_path.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 #include <set>
 
 #include "base/line_of.h"
 #include "robot/joint_rule.h"
+#include "robot/joint_spline.h"
 
 namespace tccm {
 namespace {
 
 constexpr std::size_t kPathPointsMax = 1U << 16U;
 constexpr double kLimitTolerance = 0.01;  // [rad or m]
-
-/// The coefficients of a joint's polynomial over one stretch, from the lowest power.
-using Spline = std::array<double, 6>;
-
-struct End {
-  double position, velocity, acceleration;
-};
-
-Spline cubic(const End& a, const End& b, double T) {
-  const double d = b.position - a.position;
-  return {a.position,
-          a.velocity,
-          (3.0 * d - (2.0 * a.velocity + b.velocity) * T) / (T * T),
-          (-2.0 * d + (a.velocity + b.velocity) * T) / (T * T * T),
-          0.0,
-          0.0};
-}
-
-Spline quintic(const End& a, const End& b, double T) {
-  const double d = b.position - a.position, T2 = T * T, T3 = T2 * T;
-  return {
-      a.position,
-      a.velocity,
-      0.5 * a.acceleration,
-      (20.0 * d - (8.0 * b.velocity + 12.0 * a.velocity) * T -
-       (3.0 * a.acceleration - b.acceleration) * T2) /
-          (2.0 * T3),
-      (-30.0 * d + (14.0 * b.velocity + 16.0 * a.velocity) * T +
-       (3.0 * a.acceleration - 2.0 * b.acceleration) * T2) /
-          (2.0 * T3 * T),
-      (12.0 * d - 6.0 * (b.velocity + a.velocity) * T + (b.acceleration - a.acceleration) * T2) /
-          (2.0 * T3 * T2)};
-}
-
-double valueOf(const Spline& c, double t) {
-  return c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * (c[4] + t * c[5]))));
-}
-
-/// No second derivative on [0, T] is larger: that of its Bernstein coefficients.
-double curvatureMax(const Spline& c, double T) {
-  const double a = 2.0 * c[2], b = 6.0 * c[3] * T;
-  const double d = 12.0 * c[4] * T * T, e = 20.0 * c[5] * T * T * T;
-  return std::max({std::abs(a), std::abs(a + b / 3.0), std::abs(a + (2.0 * b + d) / 3.0),
-                   std::abs(a + b + d + e)});
-}
 
 bool allFinite(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(),
@@ -108,31 +63,16 @@ std::string defectOfPoint(const JointTrajectory& trajectory, std::size_t i, cons
   return rises ? "" : "is not after the one before it";
 }
 
-/// Everything that is known of one joint at both ends of a stretch.
-Spline splineOf(const JointTrajectory::Point& a, const JointTrajectory::Point& b, std::size_t j,
-                double T) {
-  const auto at = [j](const std::vector<double>& values) {
-    return values.empty() ? 0.0 : values[j];
-  };
-  const End from{a.positions[j], at(a.velocities), at(a.accelerations)};
-  const End to{b.positions[j], at(b.velocities), at(b.accelerations)};
-  if (a.velocities.empty() || b.velocities.empty()) {
-    return {from.position, (to.position - from.position) / T, 0.0, 0.0, 0.0, 0.0};
-  }
-  const bool has_accelerations = !a.accelerations.empty() && !b.accelerations.empty();
-  return has_accelerations ? quintic(from, to, T) : cubic(from, to, T);
-}
-
 /// @param shift for joints without limits: whole turns.
 void addStretch(const JointTrajectory::Point& a, const JointTrajectory::Point& b,
                 const std::vector<std::size_t>& variables, const std::vector<double>& shift,
                 double tolerance, std::vector<double>& positions, JointPath& path) {
   const double T = b.time_s - a.time_s;
-  std::vector<Spline> splines;
+  std::vector<JointSpline> splines;
   double curvature = 0.0;
   for (std::size_t j = 0; j < variables.size(); ++j) {
-    splines.push_back(splineOf(a, b, j, T));
-    curvature = std::max(curvature, curvatureMax(splines.back(), T));
+    splines.emplace_back(a, b, j);
+    curvature = std::max(curvature, splines.back().curvatureMax(T));
   }
   constexpr double kPiecesMax = 128.0;
   const double pieces =
@@ -140,7 +80,7 @@ void addStretch(const JointTrajectory::Point& a, const JointTrajectory::Point& b
   for (double k = 1.0; k <= pieces; ++k) {
     const double t = T * k / pieces;
     for (std::size_t j = 0; j < variables.size(); ++j) {
-      const double end = k == pieces ? b.positions[j] : valueOf(splines[j], t);
+      const double end = k == pieces ? b.positions[j] : splines[j].position(t);
       positions[variables[j]] = end + shift[j];
     }
     path.add(a.time_s + t, positions);

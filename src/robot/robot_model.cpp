@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/frame_name.h"
 #include "base/line_of.h"
 #include "config/parameter_table.h"
 #include "mesh/text.h"
@@ -170,11 +171,8 @@ std::vector<std::string> RobotModel::rootFrames() const {
 
 /// As robot_state_publisher has it: a name that begins with a slash takes no prefix.
 std::string RobotModel::frameOf(const std::string& link) const {
-  const auto bare = [](const std::string& name) {
-    return name.substr(std::min(name.find_first_not_of('/'), name.size()));
-  };
   const bool takes_prefix = !tf_prefix_.empty() && (link.empty() || link.front() != '/');
-  return takes_prefix ? bare(tf_prefix_ + "/" + link) : bare(link);
+  return withoutSlash(takes_prefix ? tf_prefix_ + "/" + link : link);
 }
 
 UsedShapes RobotModel::shapesFor(const LinkUse& use, const LinkUseKeys& keys) const {

@@ -3,9 +3,12 @@
 #include <ros/node_handle.h>
 
 #include <cstdint>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
+
+#include "ros/message_pool.h"
 
 namespace tccm {
 
@@ -29,6 +32,16 @@ template <typename Message>
   return required(node.advertise<Message>(topic, queue, latch), node, topic);
 }
 
+/// Counts who listens as they come and go: to ask the publisher each time takes a lock.
+template <typename Message>
+[[nodiscard]] ros::Publisher advertiseCounting(ros::NodeHandle node, const std::string& topic,
+                                               std::uint32_t queue, int& listeners) {
+  return required(node.advertise<Message>(
+                      topic, queue, [&listeners](const auto& /*listener*/) { ++listeners; },
+                      [&listeners](const auto& /*listener*/) { --listeners; }),
+                  node, topic);
+}
+
 template <typename Object, typename Request, typename Response>
 [[nodiscard]] ros::ServiceServer serve(ros::NodeHandle node, const std::string& service,
                                        bool (Object::*answer)(Request&, Response&),
@@ -36,12 +49,22 @@ template <typename Object, typename Request, typename Response>
   return required(node.advertiseService(service, answer, object), node, service);
 }
 
-template <typename Object, typename Message>
+/// What comes from another process is read into messages that were used before: a cloud of
+/// megabytes is not allocated and filled with zeros each time.
+/// @tparam Received a pointer to a constant message, or a ros::MessageEvent of one.
+template <typename Object, typename Received>
 [[nodiscard]] ros::Subscriber hear(ros::NodeHandle node, const std::string& topic,
-                                   std::uint32_t queue, void (Object::*receive)(const Message&),
+                                   std::uint32_t queue, void (Object::*receive)(const Received&),
                                    Object* object) {
-  return required(node.subscribe(topic, queue, receive, object, ros::TransportHints().tcpNoDelay()),
-                  node, topic);
+  using Message = typename ros::ParameterAdapter<const Received&>::Message;
+  // Subscribers of a process share what they hear: any of their threads may ask for a message.
+  const auto pool = std::make_shared<SharedMessagePool<Message>>();
+  ros::SubscribeOptions options;
+  options.initByFullCallbackType<const Received&>(
+      topic, queue, [receive, object](const Received& received) { (object->*receive)(received); },
+      [pool] { return pool->take(); });
+  options.transport_hints = ros::TransportHints().tcpNoDelay();
+  return required(node.subscribe(options), node, topic);
 }
 
 }  // namespace tccm

@@ -83,6 +83,7 @@ std::string fromMessage(const tccm_monitor::Looks& message, LookImage& looks) {
 std::string fromMessages(const std::vector<tccm_monitor::Cuboid>& messages, CuboidMap& map) {
   const double quantum = map.grid.config().height_quantum_m;
   map.cuboids.clear();
+  map.appeared = 0;
   for (const tccm_monitor::Cuboid& message : messages) {
     const double top = std::nearbyint(message.top / quantum);
     const double bottom = std::nearbyint((message.top - message.depth) / quantum);
@@ -98,7 +99,8 @@ std::string fromMessages(const std::vector<tccm_monitor::Cuboid>& messages, Cubo
     }
     map.cuboids.push_back({message.cell, static_cast<Height>(bottom), static_cast<Height>(top),
                            message.points, message.age_scans, message.dyn, message.held != 0,
-                           message.unseen_ms});
+                           message.appeared != 0 && message.held == 0, message.unseen_ms});
+    map.appeared += map.cuboids.back().appeared ? 1 : 0;
   }
   return {};
 }
@@ -142,6 +144,7 @@ void toMessage(const CuboidMap& map, const std::string& frame, tccm_monitor::Cub
     out.col = tccm_monitor::Cuboid::CLEAR;
     out.held = static_cast<std::uint8_t>(cuboid.held);
     out.unseen_ms = cuboid.unseen_ms;
+    out.appeared = static_cast<std::uint8_t>(cuboid.appeared);
   }
 }
 

@@ -34,11 +34,6 @@ void normalize(geometry_msgs::Quaternion& q) {
 
 }  // namespace
 
-std::string withoutSlash(const std::string& frame) {
-  const std::size_t first = frame.find_first_not_of('/');
-  return first == std::string::npos ? std::string() : frame.substr(first);
-}
-
 void TransformHistory::add(const tf2_msgs::TFMessage& message, bool is_static) {
   for (geometry_msgs::TransformStamped transform : message.transforms) {
     transform.header.frame_id = withoutSlash(transform.header.frame_id);

@@ -12,6 +12,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "base/frame_name.h"
 #include "tccm_monitor/pose.h"
 
 namespace tccm {
@@ -98,8 +99,5 @@ class TransformHistory {
 [[nodiscard]] std::vector<ros::Subscriber> hearTransforms(ros::NodeHandle node,
                                                           TransformHistory& history,
                                                           const std::function<void()>& heard);
-
-/// Without the slashes that tf1 put in front of frame names.
-[[nodiscard]] std::string withoutSlash(const std::string& frame);
 
 }  // namespace tccm

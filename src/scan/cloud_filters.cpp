@@ -116,6 +116,10 @@ void FlyingPixelFilter::applyToRow(const Cloud& cloud, const RangeNoise& noise, 
                                    CloudState& state) const {
   constexpr std::size_t kRun = Neighbourhood::kRun;
   if (separation_m == 0.0 || !cloud.organised()) return;
+  // A row without returns, as a thinned one, has nothing to judge.
+  const auto kinds = state.kinds.begin() + static_cast<std::ptrdiff_t>(row * cloud.width);
+  const auto kinds_end = kinds + static_cast<std::ptrdiff_t>(cloud.width);
+  if (std::find(kinds, kinds_end, BeamKind::kReturn) == kinds_end) return;
   const Neighbourhood neighbours(*this, cloud, noise, state.ranges);
   const auto ask = [&](std::size_t column) {
     BeamKind& kind = state.kinds[row * cloud.width + column];
@@ -136,6 +140,28 @@ void FlyingPixelFilter::applyToRow(const Cloud& cloud, const RangeNoise& noise, 
     }
   }
   for (; column < cloud.width; ++column) ask(column);
+}
+
+void Thinning::describe(ParameterTable& table) {
+  table.add(
+      "thinned_spacing_m", &spacing_m, "m", {0.0, 1.0},
+      "every other row and column of an organised cloud is left out of the map where those "
+      "that remain lie nearer together than this across the beams; a look still tells of all; "
+      "0: none is");
+}
+
+void Thinning::applyToRow(const Cloud& cloud, float step_rad, std::size_t row,
+                          CloudState& state) const {
+  if (!(step_rad > 0.0F) || !cloud.organised()) return;
+  const float furthest = static_cast<float>(0.5 * spacing_m) / step_rad;
+  // The last row and column are taken: a look's block may have no other.
+  const bool is_taken = row % 2 == 0 || row + 1 == cloud.height;
+  const std::size_t first = row * cloud.width, step = is_taken ? 2 : 1;
+  for (std::size_t i = first + step - 1; i + step <= first + cloud.width; i += step) {
+    BeamKind& kind = state.kinds[i];
+    const bool is_dense = kind == BeamKind::kReturn && state.ranges[i] <= furthest;
+    kind = is_dense ? BeamKind::kThinned : kind;
+  }
 }
 
 void SupportFilter::Config::describe(ParameterTable& table) {

@@ -20,6 +20,8 @@ struct CloudState {
 /// Removes points in the air between two surfaces, which sensors make where one pixel or beam sees
 /// both, from organised clouds.
 struct FlyingPixelFilter {
+  static constexpr std::size_t kReach = 2;  ///< rows above and below that tell of one
+
   double separation_m = 0.02;
   double slope_max = 6.0;
 
@@ -29,9 +31,20 @@ struct FlyingPixelFilter {
   /// a flying pixel itself or has no other near it. Near is within the separation and six times the
   /// noise, or on a surface no steeper than slope_max.
   void apply(const Cloud& cloud, const RangeNoise& noise, CloudState& state) const;
-  /// In one row; the others' kinds do not matter.
+  /// In one row, of which kReach rows have their ranges; the others' kinds do not matter.
   void applyToRow(const Cloud& cloud, const RangeNoise& noise, std::size_t row,
                   CloudState& state) const;
+};
+
+/// Takes every other row and column where the points of an organised cloud lie close together: what
+/// comes after costs a quarter, and a cell of the map has points enough.
+struct Thinning {
+  double spacing_m = 0.01;
+
+  void describe(ParameterTable& table);
+  /// Turns a return into kThinned where it lies in a row or column that is not taken, nearer than
+  /// points of both have the spacing. @param step_rad the angle between neighbours; 0: not known.
+  void applyToRow(const Cloud& cloud, float step_rad, std::size_t row, CloudState& state) const;
 };
 
 /// Removes points that few others lie near, from clouds that are not organised. Points are counted

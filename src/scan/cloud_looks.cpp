@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace tccm {
 namespace {
@@ -23,8 +24,8 @@ CloudLooks::CloudLooks(const Config& config)
   steps_.reserve(kSteps + 1);
 }
 
-std::optional<std::size_t> CloudLooks::stepsInBlock(const Cloud& cloud, const CloudState& state,
-                                                    std::size_t stride) {
+std::optional<float> CloudLooks::stepOf(const Cloud& cloud, const CloudState& state,
+                                        std::size_t stride) {
   steps_.clear();
   const std::size_t every = std::max<std::size_t>(1, cloud.points.size() / kSteps);
   for (std::size_t i = 0; i + stride < cloud.points.size() && steps_.size() < kSteps; i += every) {
@@ -37,15 +38,18 @@ std::optional<std::size_t> CloudLooks::stepsInBlock(const Cloud& cloud, const Cl
   if (steps_.size() < kStepsLeast) return std::nullopt;
   const auto median = steps_.begin() + static_cast<std::ptrdiff_t>(steps_.size() / 2);
   std::nth_element(steps_.begin(), median, steps_.end());
-  const double step = std::max(1e-4, static_cast<double>(*median));
-  return static_cast<std::size_t>(std::max(1.0, std::round(config_.block_rad / step)));
+  return std::max(1e-4F, *median);
 }
 
 std::optional<CloudLooks::Pitch> CloudLooks::pitchOf(const Cloud& cloud, const CloudState& state) {
-  const auto columns = stepsInBlock(cloud, state, 1);
-  const auto rows = stepsInBlock(cloud, state, cloud.width);
-  if (!columns || !rows) return std::nullopt;
-  return Pitch{cloud.width, cloud.height, *columns, *rows};
+  const auto across = stepOf(cloud, state, 1);
+  const auto down = stepOf(cloud, state, cloud.width);
+  if (!across || !down) return std::nullopt;
+  const auto inBlock = [this](float step) {
+    return static_cast<std::size_t>(std::max(1.0, std::round(config_.block_rad / step)));
+  };
+  return Pitch{cloud.width, cloud.height, inBlock(*across), inBlock(*down),
+               std::max(*across, *down)};
 }
 
 void CloudLooks::layOut(const Pitch& pitch) {
@@ -58,6 +62,64 @@ void CloudLooks::layOut(const Pitch& pitch) {
   last_directions_.assign(blocks_.size(), Eigen::Vector3f::Zero());
 }
 
+void CloudLooks::Columns::clear(std::size_t width) {
+  nearest.assign(width, std::numeric_limits<float>::infinity());
+  for (std::vector<std::uint16_t>* points : {&returns, &thinned, &unknown}) {
+    points->assign(width, 0);
+  }
+  robot.assign(width, 0);
+  rows = 0;
+}
+
+void CloudLooks::Columns::add(const float* ranges, const BeamKind* kinds) {
+  constexpr float kNone = std::numeric_limits<float>::infinity();
+  const std::size_t width = nearest.size();
+  float* const least = nearest.data();
+  for (std::size_t i = 0; i < width; ++i) {
+    const float range = ranges[i] > 0.0F ? ranges[i] : kNone;
+    least[i] = std::min(least[i], range);
+  }
+  // A loop each, over what nothing else can be: then a compiler does many columns at once.
+  const auto count = [&](std::vector<std::uint16_t>& points, BeamKind kind) {
+    std::uint16_t* const of = points.data();
+    for (std::size_t i = 0; i < width; ++i) {
+      of[i] = static_cast<std::uint16_t>(of[i] + (kinds[i] == kind ? 1 : 0));
+    }
+  };
+  count(returns, BeamKind::kReturn);
+  count(thinned, BeamKind::kThinned);
+  count(unknown, BeamKind::kUnknown);
+  std::uint8_t* const is_robot = robot.data();
+  for (std::size_t i = 0; i < width; ++i) {
+    is_robot[i] = static_cast<std::uint8_t>(is_robot[i] | (kinds[i] == BeamKind::kSelf ? 1 : 0));
+  }
+  ++rows;
+}
+
+/// What the columns have gathered becomes that of a row of blocks. Points that were thinned out
+/// share the fate of those that were judged.
+void CloudLooks::closeBlocks(std::size_t first, std::size_t width) {
+  for (std::size_t begin = 0; begin < width; begin += pitch_columns_) {
+    Block& block = blocks_[first++];
+    const std::size_t end = std::min(begin + pitch_columns_, width);
+    float nearest = std::numeric_limits<float>::infinity();
+    std::uint32_t returns = 0, thinned = 0, unknown = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      nearest = std::min(nearest, columns_.nearest[i]);
+      returns += columns_.returns[i];
+      thinned += columns_.thinned[i];
+      unknown += columns_.unknown[i];
+      block.robot |= columns_.robot[i] != 0;
+    }
+    block.nearest = std::isinf(nearest) ? 0.0F : nearest;
+    const auto points = static_cast<std::uint32_t>(columns_.rows * (end - begin));
+    const std::uint32_t judged = points - thinned - unknown;
+    block.kept = returns + (judged > 0 ? thinned * returns / judged : 0);
+    block.doubtful = points - block.kept;
+  }
+  columns_.clear(width);
+}
+
 void CloudLooks::begin(const Cloud& cloud, const CloudState& state) {
   if (!cloud.organised()) {
     if (blocks_.size() != cube_.pixels()) blocks_.assign(cube_.pixels(), Block());
@@ -66,12 +128,13 @@ void CloudLooks::begin(const Cloud& cloud, const CloudState& state) {
     touched_.clear();
     return;
   }
-  if (!pitch_ || pitch_->width != cloud.width || pitch_->height != cloud.height) {
+  if (!isLaidOutFor(cloud)) {
     pitch_ = pitchOf(cloud, state);
-    layOut(pitch_.value_or(Pitch{cloud.width, cloud.height, 8, 8}));
+    layOut(pitch_.value_or(Pitch{cloud.width, cloud.height, 8, 8, 0.0F}));
     touched_.clear();
   }
   std::fill(blocks_.begin(), blocks_.end(), Block());
+  columns_.clear(cloud.width);
 }
 
 void CloudLooks::finish(bool organised, const std::vector<CloudPlace>& places,

@@ -36,7 +36,17 @@ class CloudLooks {
   }
 
   // The same row by row: begin() once the ranges are known, each row once its kinds are.
+  /// Then begin() needs no ranges: it has seen an organised cloud of that size.
+  [[nodiscard]] bool isLaidOutFor(const Cloud& cloud) const {
+    return cloud.organised() && pitch_ && pitch_->width == cloud.width &&
+           pitch_->height == cloud.height;
+  }
   void begin(const Cloud& cloud, const CloudState& state);
+  /// The angle between neighbours of an organised cloud, along rows or columns, whichever is larger
+  /// [rad]; 0: not known, or blocks have one row or column alone. Once begun.
+  [[nodiscard]] float stepRad() const {
+    return pitch_ && pitch_->columns > 1 && pitch_->rows > 1 ? pitch_->step_rad : 0.0F;
+  }
   template <typename PlaceOf>
   void addRow(const Cloud& cloud, const CloudState& state, std::size_t row,
               const PlaceOf& place_of) {
@@ -49,13 +59,28 @@ class CloudLooks {
       }
       return;
     }
-    for (std::size_t begin = 0; begin < cloud.width; begin += pitch_columns_) {
-      const std::size_t end = std::min(begin + pitch_columns_, cloud.width);
-      Block block = blocks_[row_blocks_[row] + begin / pitch_columns_];  // a copy: in registers
-      for (std::size_t i = first + begin; i < first + end; ++i) {
-        add(block, cloud.points[i], state.ranges[i], state.kinds[i], place_of(i));
+    columns_.add(&state.ranges[first], &state.kinds[first]);
+    std::size_t index = row_blocks_[row];
+    for (std::size_t begin = 0; begin < cloud.width; begin += pitch_columns_, ++index) {
+      const std::size_t end = first + std::min(begin + pitch_columns_, cloud.width);
+      Block& block = blocks_[index];
+      Eigen::Vector3f towards = block.towards;
+      for (std::size_t i = first + begin; i < end; ++i) {
+        if (state.kinds[i] == BeamKind::kThinned) continue;  // others point there
+        const Eigen::Vector3f& point = cloud.points[i];
+        if (state.ranges[i] > 0.0F) {
+          // Within a block the time hardly differs.
+          if (block.points == 0) block.place = static_cast<std::uint32_t>(place_of(i));
+          ++block.points;
+          towards += point * (1.0F / state.ranges[i]);
+        } else if (isMeasured(point)) {
+          towards += point.normalized();  // out of limits
+        }
       }
-      blocks_[row_blocks_[row] + begin / pitch_columns_] = block;
+      block.towards = towards;
+    }
+    if (row + 1 == cloud.height || row_blocks_[row + 1] != row_blocks_[row]) {
+      closeBlocks(row_blocks_[row], cloud.width);
     }
   }
   void finish(bool organised, const std::vector<CloudPlace>& places, std::vector<Look>& looks);
@@ -66,27 +91,41 @@ class CloudLooks {
     float nearest = 0.0F;                               ///< [m]; 0: none measured
     std::uint32_t kept = 0;
     std::uint32_t doubtful = 0;  ///< unknown, or filtered out
-    std::uint32_t place = 0;     ///< of the nearest point
+    std::uint32_t points = 0;    ///< that towards is of, with a range
+    std::uint32_t place = 0;     ///< of the nearest of them, or of the first
     bool robot = false;
   };
   /// How many columns and rows of an organised cloud make a block.
   struct Pitch {
     std::size_t width, height;  ///< of the cloud
     std::size_t columns, rows;
+    float step_rad;  ///< as stepRad()
+  };
+  /// What is known of the rows of a block, column by column: a loop over columns is fast.
+  struct Columns {
+    std::vector<float> nearest;                            ///< [m]; infinite: none measured
+    std::vector<std::uint16_t> returns, thinned, unknown;  ///< points
+    std::vector<std::uint8_t> robot;                       ///< whether any is its
+    std::uint16_t rows = 0;
+
+    void clear(std::size_t width);
+    void add(const float* ranges, const BeamKind* kinds);
   };
   static constexpr std::size_t kNoBlock = static_cast<std::size_t>(-1);
 
   /// @return nothing where too few neighbours were measured to tell.
   [[nodiscard]] std::optional<Pitch> pitchOf(const Cloud& cloud, const CloudState& state);
-  [[nodiscard]] std::optional<std::size_t> stepsInBlock(const Cloud& cloud, const CloudState& state,
-                                                        std::size_t stride);
+  [[nodiscard]] std::optional<float> stepOf(const Cloud& cloud, const CloudState& state,
+                                            std::size_t stride);
   void layOut(const Pitch& pitch);
+  void closeBlocks(std::size_t first, std::size_t width);
   [[nodiscard]] std::size_t blockOf(const Eigen::Vector3f& point) {
     if (!isMeasured(point)) return kNoBlock;
     const std::size_t pixel = cube_.pixelOf(point);
     if (blocks_[pixel].kept + blocks_[pixel].doubtful == 0) touched_.push_back(pixel);
     return pixel;
   }
+  /// Of a cloud that is not organised.
   static void add(Block& block, const Eigen::Vector3f& point, float range, BeamKind kind,
                   std::size_t place) {
     const bool is_kept = kind == BeamKind::kReturn;
@@ -109,6 +148,7 @@ class CloudLooks {
   DirectionCube cube_;
   std::optional<Pitch> pitch_;
   std::size_t pitch_columns_ = 1;
+  Columns columns_;
   std::vector<std::size_t> row_blocks_;  ///< the first of each row of an organised cloud
   std::vector<Block> blocks_;
   std::vector<std::size_t> touched_;              ///< of a cloud that is not organised, in order

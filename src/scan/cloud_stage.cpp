@@ -1,6 +1,7 @@
 #include "scan/cloud_stage.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/line_of.h"
@@ -24,6 +25,7 @@ void CloudStage::Config::describe(ParameterTable& table) {
   table.add("range_max_m", &range_max_m, "m", {0.1, 1000.0},
             "nor does one further away: what lies there is unknown, not free");
   noise.describe(table);
+  thinning.describe(table);
   flying.describe(table);
   support.describe(table);
   looks.describe(table);
@@ -60,17 +62,20 @@ std::string CloudStage::assemble(const Cloud& cloud, const PosePath& T_fixed_sen
   std::string unknown = robot_.sample(cloud.first(), cloud.last(), T_fixed_roots);
   if (!unknown.empty()) return unknown;
   if (!place(cloud, T_fixed_sensor)) return "no_transform";
-  sortByRange(cloud);
-  const auto within = std::count(state_.kinds.begin(), state_.kinds.end(), BeamKind::kReturn);
-  const double unknown_share =
-      1.0 - static_cast<double>(within) / static_cast<double>(cloud.points.size());
-  if (within == 0 || unknown_share > config_.unknown_fraction_max) return "blind";
+  state_.ranges.resize(cloud.points.size());
+  state_.kinds.resize(cloud.points.size());
+  sorted_rows_ = within_ = 0;
+  // Where no more than a row's neighbours has to be known, each row is sorted while it is at hand.
+  const bool by_rows = looks_.isLaidOutFor(cloud);
+  if (!by_rows) sortRows(cloud, cloud.height);
+  if (!by_rows && isBlind(cloud)) return "blind";
   begin(cloud);
   if (places_.size() == 1) {
     takeRows(cloud, [](std::size_t) { return std::size_t{0}; });
   } else {
     takeRows(cloud, [&](std::size_t i) { return placeOf(cloud, i); });
   }
+  if (isBlind(cloud)) return "blind";
   looks_.finish(cloud.organised(), places_, returns_.looks);
   robot_.count(body_filter_.selfCounts());
   return {};
@@ -101,19 +106,39 @@ std::size_t CloudStage::placeOf(const Cloud& cloud, std::size_t i) const {
   return std::min(nearest, places_.size() - 1);
 }
 
-void CloudStage::sortByRange(const Cloud& cloud) {
-  state_.ranges.resize(cloud.points.size());
-  state_.kinds.resize(cloud.points.size());
+/// Those before row `end` that have not been.
+void CloudStage::sortRows(const Cloud& cloud, std::size_t end) {
   const auto nearest = static_cast<float>(config_.range_min_m);
   const auto furthest = static_cast<float>(config_.range_max_m);
-  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
-    const float range = cloud.points[i].norm();
-    const bool is_measured = range > 0.0F && range >= nearest && range <= furthest;  // no NaN
-    state_.ranges[i] = is_measured ? range : 0.0F;
-    state_.kinds[i] = is_measured                       ? BeamKind::kReturn
-                      : range > 0.0F && range < nearest ? BeamKind::kTooClose
-                                                        : BeamKind::kUnknown;
+  const std::size_t end_point = std::min(end, cloud.height) * cloud.width;
+  // A run at a time, so that what is loaded for the one loop is at hand for the other.
+  constexpr std::size_t kRun = 1024;
+  for (std::size_t begin = sorted_rows_ * cloud.width; begin < end_point; begin += kRun) {
+    const std::size_t count = std::min(kRun, end_point - begin);
+    const Eigen::Vector3f* const points = &cloud.points[begin];
+    float* const ranges = &state_.ranges[begin];
+    for (std::size_t i = 0; i < count; ++i) ranges[i] = points[i].squaredNorm();
+    BeamKind* const kinds = &state_.kinds[begin];
+    std::uint32_t within = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const float range = std::sqrt(ranges[i]);
+      const bool is_measured = range > 0.0F && range >= nearest && range <= furthest;  // no NaN
+      const bool is_too_close = range > 0.0F && range < nearest;
+      kinds[i] = is_measured    ? BeamKind::kReturn
+                 : is_too_close ? BeamKind::kTooClose
+                                : BeamKind::kUnknown;
+      ranges[i] = is_measured ? range : 0.0F;
+      within += is_measured ? 1 : 0;
+    }
+    within_ += within;
   }
+  sorted_rows_ = std::max(sorted_rows_, std::min(end, cloud.height));
+}
+
+bool CloudStage::isBlind(const Cloud& cloud) const {
+  const double unknown_share =
+      1.0 - static_cast<double>(within_) / static_cast<double>(cloud.points.size());
+  return within_ == 0 || unknown_share > config_.unknown_fraction_max;
 }
 
 /// What is known before the first row.
@@ -133,6 +158,8 @@ void CloudStage::begin(const Cloud& cloud) {
 template <typename PlaceOf>
 void CloudStage::takeRows(const Cloud& cloud, const PlaceOf& place_of) {
   for (std::size_t row = 0; row < cloud.height; ++row) {
+    sortRows(cloud, row + 1 + FlyingPixelFilter::kReach);
+    config_.thinning.applyToRow(cloud, looks_.stepRad(), row, state_);
     config_.flying.applyToRow(cloud, config_.noise, row, state_);
     if (!robot_.samples().empty()) filterRow(cloud, row, place_of);
     takeRow(cloud, row, place_of);
@@ -156,14 +183,19 @@ void CloudStage::takeRow(const Cloud& cloud, std::size_t row, const PlaceOf& pla
   const std::size_t before = points.size(), first = row * cloud.width;
   points.resize(before + cloud.width);
   Vector3* next = points.data() + before;
-  BeamCounts counts{};
   for (std::size_t i = first; i < first + cloud.width; ++i) {
-    ++counts[static_cast<std::size_t>(state_.kinds[i])];
     if (state_.kinds[i] != BeamKind::kReturn) continue;
     *next++ = places_[place_of(i)].T_fixed_sensor * cloud.points[i].cast<double>();
   }
   points.resize(static_cast<std::size_t>(next - points.data()));
-  for (std::size_t k = 0; k < counts.size(); ++k) counts_[k] += counts[k];
+  // Neighbours are mostly of one kind: one counter would have to wait for itself.
+  std::array<std::array<std::uint32_t, kBeamKinds>, 4> counts{};
+  for (std::size_t i = 0; i < cloud.width; ++i) {
+    ++counts[i % counts.size()][static_cast<std::size_t>(state_.kinds[first + i])];
+  }
+  for (const auto& some : counts) {
+    for (std::size_t k = 0; k < kBeamKinds; ++k) counts_[k] += some[k];
+  }
 }
 
 }  // namespace tccm

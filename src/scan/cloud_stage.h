@@ -29,6 +29,7 @@ class CloudStage {
     double range_min_m = 0.3;
     double range_max_m = 5.0;
     RangeNoise noise;
+    Thinning thinning;
     FlyingPixelFilter flying;
     SupportFilter::Config support;
     CloudLooks::Config looks;
@@ -69,7 +70,9 @@ class CloudStage {
   [[nodiscard]] const std::string& selfLink() const { return robot_.mostCounted(); }
 
  private:
-  void sortByRange(const Cloud& cloud);
+  void sortRows(const Cloud& cloud, std::size_t end);
+  /// Once all rows are sorted.
+  [[nodiscard]] bool isBlind(const Cloud& cloud) const;
   [[nodiscard]] bool place(const Cloud& cloud, const PosePath& T_fixed_sensor);
   [[nodiscard]] std::size_t placeOf(const Cloud& cloud, std::size_t i) const;
   void begin(const Cloud& cloud);
@@ -86,6 +89,8 @@ class CloudStage {
   CloudBodyFilter body_filter_;
   CloudLooks looks_;
   CloudState state_;
+  std::size_t sorted_rows_ = 0;
+  std::size_t within_ = 0;          ///< points in them within the limits of range
   std::vector<CloudPlace> places_;  ///< at equal steps of time
   ScanReturns returns_;
   BeamCounts counts_{};

@@ -4,43 +4,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <memory>
-#include <new>
 #include <string>
 #include <vector>
 
 #include "check/checker_config.h"
+#include "support/counted_allocations.h"
 #include "support/table_scene.h"
-
-namespace {
-
-std::atomic<bool> is_counting{false};
-std::atomic<int> allocations{0};
-
-void* allocated(std::size_t size) {
-  if (is_counting) ++allocations;
-  void* memory = std::malloc(size > 0 ? size : 1);
-  if (!memory) throw std::bad_alloc();
-  return memory;
-}
-
-}  // namespace
-
-void* operator new(std::size_t size) { return allocated(size); }
-void* operator new[](std::size_t size) { return allocated(size); }
-void* operator new(std::size_t size, const std::nothrow_t& /*tag*/) noexcept {
-  if (is_counting) ++allocations;
-  return std::malloc(size > 0 ? size : 1);
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete[](void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t /*size*/) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t /*size*/) noexcept { std::free(memory); }
-void operator delete(void* memory, const std::nothrow_t& /*tag*/) noexcept { std::free(memory); }
 
 namespace tccm {
 namespace {
@@ -71,6 +43,17 @@ class CheckAllocatesNothingTest : public ::testing::Test {
     return config;
   }
 
+  /// Near the arms, turned, and in both frames.
+  void setRegions() {
+    for (int i = 0; i < 8; ++i) {
+      KeepOutRegion region{std::to_string(i), i % 2 == 0 ? "" : "base_link",
+                           Box{Vector3(0.05, 0.3, 0.5)}};
+      region.T_frame_box.translation() = Vector3(1.05, 0.2 * (i - 4), 1.0);
+      region.T_frame_box.rotate(Eigen::AngleAxisd(0.1 * i, Vector3::UnitZ()));
+      checker_->setKeepOut(region);
+    }
+  }
+
   [[nodiscard]] std::vector<double> positionsAt(double time_s) const {
     std::vector<double> positions = test::armsAhead(*model_, -0.8);
     const double roll = kOutwards + 0.5 * kSwing * (1.0 - std::cos(2.0 * M_PI * time_s / kPeriod));
@@ -95,7 +78,7 @@ class CheckAllocatesNothingTest : public ::testing::Test {
   /// as a mapper's have.
   int allocationsOver(double duration_s) {
     constexpr std::size_t kRoom = 4000;
-    allocations = 0;
+    test::allocations = 0;
     for (const double end_s = time_s_ + duration_s; time_s_ < end_s; time_s_ += kCycle) {
       const Time now(fromSeconds(kStart + time_s_));
       for (std::size_t i = 0; i < checker_->inputs().sensors().size(); ++i) {
@@ -107,14 +90,14 @@ class CheckAllocatesNothingTest : public ::testing::Test {
         checker_->setMap(now, std::move(map), i);
       }
       checker_->addJoints(now, now, names_, positionsAt(time_s_), {});
-      is_counting = true;
+      test::is_counting = true;
       const Verdict& verdict = checker_->check(now);
-      is_counting = false;
+      test::is_counting = false;
       EXPECT_EQ(verdict.reason, Reason::kClear) << time_s_ << " s: " << verdict.detail;
       follows_ = follows_ || verdict.follows_trajectory;
       hiding_ = std::max(hiding_, verdict.now.occluding_cuboids.size());
     }
-    return allocations;
+    return test::allocations;
   }
 
   const std::shared_ptr<const RobotModel> model_ = simulation::dualArm();
@@ -133,11 +116,43 @@ TEST_F(CheckAllocatesNothingTest, WhileTheRobotMoves) {
   EXPECT_FALSE(follows_);
 }
 
+TEST_F(CheckAllocatesNothingTest, WhileTheRobotMovesBetweenRegionsToKeepOutOf) {
+  setRegions();
+  allocationsOver(kWarm);
+  EXPECT_EQ(allocationsOver(3.0 * kPeriod), 0);
+}
+
 TEST_F(CheckAllocatesNothingTest, WhileTheRobotMovesBeforeSeveralSensors) {
   checker_ = std::make_unique<Checker>(model_, config(3));
   checker_->setRootPose(0, Time(), Pose::Identity(), true);
   allocationsOver(kWarm);
   EXPECT_EQ(allocationsOver(3.0 * kPeriod), 0);
+}
+
+TEST_F(CheckAllocatesNothingTest, WhileExemptionsMoveAndTheirFramesComeAndGo) {
+  const Time begin(fromSeconds(kStart));
+  const std::string frames[] = {"", "left_palm_link", "cup"};
+  for (const std::string& frame : frames) {
+    Exemption exemption{
+        "in '" + frame + "'", "left_palm_link", {Sphere{0.2}, Pose::Identity()}, {}};
+    exemption.frame = frame;
+    checker_->addExemption(begin, exemption, 50.0);
+  }
+  allocationsOver(kWarm);
+  std::size_t fresh = 0, old = 0;
+  for (int i = 0; i < 3; ++i) {
+    checker_->setExemptFrame("cup", Time(fromSeconds(kStart + time_s_)), Pose::Identity(), false);
+    EXPECT_EQ(allocationsOver(0.3), 0);
+    for (const Exemption& one : checker_->exemptions()) {
+      fresh += one.frame == "cup" && one.state == Exemption::State::kInForce ? 1 : 0;
+    }
+    EXPECT_EQ(allocationsOver(0.7), 0);
+    for (const Exemption& one : checker_->exemptions()) {
+      old += one.state == Exemption::State::kTransformOld ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(fresh, 3U);
+  EXPECT_EQ(old, 3U);
 }
 
 TEST_F(CheckAllocatesNothingTest, WhileItFollowsATrajectoryWhosePointsComeThickerAndThicker) {

@@ -52,6 +52,18 @@ TEST_F(ContactJudgeTest, ANearContactStopsAndAFarOneSlowsDown) {
   EXPECT_LT(far.speed_scale, 0.8);
 }
 
+TEST_F(ContactJudgeTest, WhereHaltingTakesLongerItStopsAndSlowsDownSooner) {
+  // 5/8 of 0.5 s for halting in place of 0.1 s, however slow it is: 0.3125 s.
+  config_.braking.stop_duration_s = 0.5;
+  for (const double speed : {0.4, 0.05}) {
+    EXPECT_EQ(touchingIn(0.56, speed).level, Level::kStop) << speed;
+    const Verdict& far = touchingIn(0.70, speed);
+    EXPECT_EQ(far.level, Level::kSlow) << speed;
+    EXPECT_LT(far.speed_scale, 0.6);
+    EXPECT_EQ(touchingIn(0.87, speed).level, Level::kOk) << speed;
+  }
+}
+
 TEST_F(ContactJudgeTest, TheNearerTheContactTheSlower) {
   double last = 0.0;
   for (const double time_s : {0.44, 0.46, 0.48, 0.495}) {

@@ -22,17 +22,6 @@ constexpr double kPeriod = 1.0;        // [s]
 
 Time at(double seconds) { return Time(fromSeconds(seconds)); }
 
-TEST(GovernedSpeedTest, TheSpeedForALookUsesUpTheRestOfTheWayBrakingIncluded) {
-  for (const double rest : {0.01, 0.15, 1.0}) {
-    for (const double until : {0.0, 0.1, 0.8, 30.0}) {
-      const double v = GovernedSpeed::speedFor(rest, until, kDeceleration);
-      EXPECT_NEAR(v * until + v * v / (2.0 * kDeceleration), rest, 1e-9);
-    }
-  }
-  EXPECT_EQ(GovernedSpeed::speedFor(0.0, 0.1, kDeceleration), 0.0);
-  EXPECT_EQ(GovernedSpeed::speedFor(-0.1, 0.1, kDeceleration), 0.0);
-}
-
 /// The slider robot's hand goes along x, as fast as it is commanded times the scale, under a sensor
 /// that looks everywhere at once, and so often.
 class GovernedHand : public ::testing::Test {

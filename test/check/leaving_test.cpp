@@ -43,7 +43,7 @@ class LeavingTest : public ::testing::Test {
 
 TEST_F(LeavingTest, AtFirstItIsAllThatTouches) {
   ASSERT_EQ(map_.cuboids.size(), 2U);
-  EXPECT_EQ(leaving_.cuboids(), (std::vector<std::uint32_t>{0, 1}));
+  EXPECT_EQ(leaving_.obstacles(), (std::vector<std::uint32_t>{0, 1}));
   EXPECT_EQ(leaving_.followed(), 0U);
 }
 
@@ -51,26 +51,26 @@ TEST_F(LeavingTest, ThenItIsWhatStillTouches) {
   passEscapeAt(0.72);
   EXPECT_EQ(leaving_.followed(), 1U);
   updateAt(0.72);
-  EXPECT_EQ(leaving_.cuboids(), std::vector<std::uint32_t>{0});
+  EXPECT_EQ(leaving_.obstacles(), std::vector<std::uint32_t>{0});
 }
 
 TEST_F(LeavingTest, WhatWasLeftIsAheadAsAnythingElse) {
   passEscapeAt(0.70);
   EXPECT_EQ(leaving_.followed(), 0U);
   EXPECT_EQ(updateAt(0.72), std::numeric_limits<double>::infinity());
-  EXPECT_TRUE(leaving_.cuboids().empty());
+  EXPECT_TRUE(leaving_.obstacles().empty());
 }
 
 TEST_F(LeavingTest, WhatIsGoneFurtherIntoIsAhead) {
   passEscapeAt(0.72);
   EXPECT_NEAR(updateAt(0.71), 0.012, 1e-6) << "10 mm, and the noise";
-  EXPECT_EQ(leaving_.cuboids().size(), 1U);
+  EXPECT_EQ(leaving_.obstacles().size(), 1U);
   updateAt(0.7215);
-  EXPECT_EQ(leaving_.cuboids().size(), 1U) << "noise";
+  EXPECT_EQ(leaving_.obstacles().size(), 1U) << "noise";
   updateAt(0.7225);
-  EXPECT_TRUE(leaving_.cuboids().empty());
+  EXPECT_TRUE(leaving_.obstacles().empty());
   updateAt(0.71);
-  EXPECT_EQ(leaving_.cuboids().size(), 1U) << "whatever came before";
+  EXPECT_EQ(leaving_.obstacles().size(), 1U) << "whatever came before";
 }
 
 /// Two slides, one on the other, that go against each other: the hand goes less far than its joints

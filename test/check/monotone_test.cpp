@@ -1,5 +1,5 @@
-/// More obstacles, links, ways, padding or speed never make a verdict milder: random scenes, each
-/// with graver ones, judged from a single instant.
+/// More obstacles, regions to keep out of, links, ways, padding or speed never make a verdict
+/// milder: random scenes, each with graver ones, judged from a single instant.
 
 #include <gtest/gtest.h>
 
@@ -54,6 +54,7 @@ std::string armUrdf() {
 struct Scene {
   std::shared_ptr<const RobotModel> model;
   std::vector<UprightBox> obstacles;
+  std::vector<KeepOutRegion> regions = {};
   std::vector<std::string> links;
   double padding_m = 0.03;
   std::vector<double> positions;
@@ -124,18 +125,27 @@ class MonotoneTest : public ::testing::Test {
       EXPECT_EQ(commanded.command(Time(), trajectory, scene.positions), "");
     }
     commanded.findWays(joints, config_.horizon_s);
+    KeepOut keep_out({}, *scene.model, "base");
+    keep_out.take(*scene.model, robot->collision_body);
+    for (const KeepOutRegion& region : scene.regions) keep_out.set(region, *scene.model, "base");
+    keep_out.place(kAtOrigin, false);
+    const std::vector<SensorView> views{{&map}};
+    const Surroundings around(map, views, &keep_out);
     PoseCheck here(robot, 1.5);
     here.place(scene.positions, kAtOrigin);
     PoseFindings found;
-    here.check(map, found);
+    here.check(around, found);
     Braking braking;
     braking.latency_s = 0.03;
     Causes causes;
-    ContactJudge(robot, config_, braking)
-        .judge({Time(), map, joints, commanded, here, here, found, found, braking, true, 1.0},
-               causes);
+    for (const auto against : {ContactJudge::Against::kMap, ContactJudge::Against::kKeepOut}) {
+      if (against == ContactJudge::Against::kKeepOut && scene.regions.empty()) continue;
+      ContactJudge(robot, config_, braking, against)
+          .judge({Time(), around, joints, commanded, here, here, found, found, braking, true, 1.0},
+                 causes);
+    }
     Answer answer;
-    answer.touches_now = found.collision;
+    answer.touches_now = found.collision || !found.keep_out.empty();
     for (const Cause& cause : causes) {
       answer.level = std::max(answer.level, cause.level);
       answer.scale = std::min(answer.scale, cause.speed_scale);
@@ -162,6 +172,18 @@ class MonotoneTest : public ::testing::Test {
     const double reach = boundingRadius(scene.model->shapes()[shape].shape) + scene.padding_m;
     low = then + ahead * (reach + 0.5 * size.dot(ahead.cwiseAbs())) - 0.5 * size;
     return {low, low + size};
+  }
+
+  /// Likewise, turned anyhow.
+  [[nodiscard]] static KeepOutRegion region(const Scene& scene, Random& random) {
+    KeepOutRegion region = regionOf(obstacle(scene, random), std::to_string(scene.regions.size()));
+    if (random.chance(0.7)) region.T_frame_box.linear() = random.rotation();
+    return region;
+  }
+  static KeepOutRegion regionOf(const UprightBox& box, const std::string& name) {
+    KeepOutRegion region{name, "", Box{0.5 * box.sizes()}};
+    region.T_frame_box.translation() = box.center();
+    return region;
   }
 
   static Vector3 placeOf(const Scene& scene, std::size_t shape, double time_s) {
@@ -212,6 +234,13 @@ TEST_F(MonotoneTest, OfThousandsOfScenesNoneIsJudgedMilderForMore) {
     expectNeverMilder("obstacles", one, judge(more));
 
     more = base;
+    for (int k = random.integer(1, 3); k > 0; --k) more.regions.push_back(region(more, random));
+    const Answer with_regions = judge(more);
+    expectNeverMilder("regions", one, with_regions);
+    more.regions.push_back(region(more, random));
+    expectNeverMilder("one more region", with_regions, judge(more));
+
+    more = base;
     more.links = {base.model->links().begin() + 1, base.model->links().end()};
     expectNeverMilder("links", one, judge(more));
 
@@ -251,6 +280,34 @@ TEST_F(MonotoneTest, OfThousandsOfScenesNoneIsJudgedMilderForMore) {
     RecordProperty(what, number);
   }
   EXPECT_GE(pairs, 20000);
+}
+
+/// What stands in the map and what nobody may enter stop a robot alike.
+TEST_F(MonotoneTest, ARegionIsJudgedAsCuboidsOfTheSameSizeAre) {
+  Random random(20);
+  std::map<Level, int> levels;
+  int touching = 0;
+  for (int i = 0; i < 5000; ++i) {
+    Scene mapped = scene(random);
+    mapped.obstacles.resize(1);
+    const CuboidMap map = mapOf(mapped.obstacles);
+    Scene walled = mapped;
+    walled.obstacles.clear();
+    for (const Cuboid& cuboid : map.cuboids) {
+      walled.regions.push_back(regionOf(map.box(cuboid), std::to_string(walled.regions.size())));
+    }
+    if (walled.regions.empty() || walled.regions.size() > KeepOut::kCountMax) continue;
+    const Answer one = judge(mapped), other = judge(walled);
+    ++levels[one.level];
+    touching += one.touches_now;
+    EXPECT_EQ(one.touches_now, other.touches_now) << one.text << "\n" << other.text;
+    EXPECT_EQ(one.level, other.level) << one.text << "\n" << other.text;
+    EXPECT_NEAR(one.scale, other.scale, 1e-6) << one.text << "\n" << other.text;
+  }
+  for (const Level level : {Level::kOk, Level::kSlow, Level::kStop}) {
+    EXPECT_GT(levels[level], 200) << static_cast<int>(level);
+  }
+  EXPECT_GT(touching, 100);
 }
 
 }  // namespace

@@ -14,6 +14,8 @@ const Cause kTouches{Reason::kCollision, "hand touches the map", "hand"};
 const Cause kAhead{Reason::kCollisionAhead, "hand touches the map ahead", "hand"};
 const Cause kFar =
     Cause::slowing(Reason::kCollisionAhead, 1.0, "hand touches the map ahead", "hand");
+const Cause kInRegion{Reason::kKeepOut, "hand is in keep-out region 'wall'", "hand"};
+const Cause kRegionAhead{Reason::kKeepOutAhead, "hand enters keep-out region 'wall'", "hand"};
 const Cause kInit{Reason::kInit, "the map does not hold a whole sweep yet"};
 const Cause kMovesOut{Reason::kMovingOut, "hand moves out of contact", "hand"};
 
@@ -32,8 +34,9 @@ class PermissionTest : public ::testing::Test {
     findings.known = true;
     for (const Cause& cause : causes) {
       if (cause.level == Level::kFault || cause.reason == Reason::kInit) findings.known = false;
-      if (cause.reason == Reason::kCollision) findings.touching = cause;
-      if (cause.reason == Reason::kMovingOut) findings.touching = kTouches;
+      const bool touches = cause.reason == Reason::kCollision || cause.reason == Reason::kKeepOut;
+      if (touches) findings.touching = cause;
+      if (cause.reason == Reason::kMovingOut) findings.touching = moved_out_of_;
     }
     for (Cause& cause : findings.causes) {
       if (cause.level == Level::kSlow) cause.speed_scale = speed_scale;
@@ -47,6 +50,7 @@ class PermissionTest : public ::testing::Test {
 
   Permission::Config config_;
   Permission permission_{config_};
+  Cause moved_out_of_ = kTouches;
   double now_ = 100.0;
 };
 
@@ -229,6 +233,42 @@ TEST_F(PermissionTest, AFaultThatIsOverIsResetInContactSoThatTheRobotCanMoveOut)
   EXPECT_EQ(decide({kMovesOut}, 0.2).worst.reason, Reason::kMovingOut);
   now_ += 0.02;
   EXPECT_EQ(decide({}).latched, Reason::kCollision) << "which holds all the same";
+}
+
+TEST_F(PermissionTest, BeingInARegionToKeepOutOfHoldsAsACollisionDoes) {
+  moved_out_of_ = kInRegion;
+  decideUntil(100.1, {kInRegion});
+  EXPECT_EQ(permission_.reset(), "KEEP_OUT lasts");
+  EXPECT_EQ(decideUntil(100.2, {kMovesOut}).worst.reason, Reason::kMovingOut);
+  EXPECT_EQ(decideUntil(103.0, {}).worst.reason, Reason::kAwaitingReset);
+  EXPECT_EQ(decide({}).latched, Reason::kKeepOut);
+  EXPECT_EQ(permission_.reset(), "");
+  EXPECT_EQ(decide({}).worst.reason, Reason::kClear);
+}
+
+/// Else it could neither move nor be reset.
+TEST_F(PermissionTest, ARobotThatCameOutOfACollisionAndIsStillInARegionMayMoveOnOut) {
+  decideUntil(100.1, {kTouches, kInRegion});
+  moved_out_of_ = kInRegion;
+  const auto& decision = decideUntil(100.2, {kMovesOut});
+  EXPECT_EQ(decision.worst.reason, Reason::kMovingOut);
+  EXPECT_EQ(decision.latched, Reason::kCollision);
+}
+
+TEST_F(PermissionTest, AFaultThatIsOverIsResetInARegionToo) {
+  moved_out_of_ = kInRegion;
+  decide({});
+  decideUntil(100.1, {kNoJoints});
+  decideUntil(100.2, {kInRegion});
+  EXPECT_EQ(permission_.reset(), "");
+  EXPECT_EQ(decide({kMovesOut}).worst.reason, Reason::kMovingOut);
+  EXPECT_EQ(decide({}).latched, Reason::kKeepOut);
+}
+
+TEST_F(PermissionTest, ComingOutOfAHidingPlaceDoesNotCutTheReleaseOfARegionAheadShort) {
+  moved_out_of_ = {};
+  decideUntil(100.5, {kRegionAhead});
+  EXPECT_EQ(reasonUntil(100.7, {kMovesOut}), Reason::kReleasing);
 }
 
 TEST_F(PermissionTest, WhatTouchesWhileTheRobotMovesAwayHoldsAsWell) {

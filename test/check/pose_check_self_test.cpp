@@ -29,10 +29,11 @@ class SelfTestTest : public ::testing::Test {
   Links missed(const Links& exempt = {}, const PlacedShape& region = kAroundTheCuboid) {
     const auto robot = test::checked(model_, config_);
     PoseCheck check(robot, 1.5);
-    ExemptRegions regions(robot->collision_body.shapes.size());
-    for (std::size_t i = 0; i < regions.size(); ++i) {
+    ExemptRegions regions{{{region, {}}}, {}};
+    regions.of_shapes.resize(robot->collision_body.shapes.size());
+    for (std::size_t i = 0; i < regions.of_shapes.size(); ++i) {
       const std::string& link = model_->linkOf(robot->collision_body.shapes[i]);
-      if (std::find(exempt.begin(), exempt.end(), link) != exempt.end()) regions[i] = {region};
+      if (std::find(exempt.begin(), exempt.end(), link) != exempt.end()) regions.of_shapes[i] = {0};
     }
     robot->collision.exempt(regions);
     return selfTest(*robot, check);
@@ -120,7 +121,7 @@ TEST_F(SelfTestTest, OneBlindPrimitiveOfSeveralIsEnough) {
                                   collisionOf(test::sphereOf("0.05"), "0.01 0 0"))));
   const auto robot = test::checked(model_, config_);
   PoseCheck check(robot, 1.5);
-  robot->collision.exempt({{kAroundTheCuboid}, {}});
+  robot->collision.exempt({{{kAroundTheCuboid, {}}}, {{0}, {}}});
   EXPECT_EQ(selfTest(*robot, check), Links{"base"}) << "its neighbour touches all the same";
 }
 

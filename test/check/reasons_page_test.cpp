@@ -67,11 +67,10 @@ std::string levelText(Level level) {
 }
 
 /// Of what is configured to be milder or stricter, or comes later: the other level.
-const std::map<Reason, std::string> kOtherLevels{{Reason::kCollisionAhead, "SLOW"},
-                                                 {Reason::kOcclusion, "SLOW"},
-                                                 {Reason::kOcclusionAhead, "SLOW"},
-                                                 {Reason::kEvidenceOld, "SLOW"},
-                                                 {Reason::kUnseenAhead, "STOP"}};
+const std::map<Reason, std::string> kOtherLevels{
+    {Reason::kCollisionAhead, "SLOW"}, {Reason::kKeepOutAhead, "SLOW"},
+    {Reason::kOcclusion, "SLOW"},      {Reason::kOcclusionAhead, "SLOW"},
+    {Reason::kEvidenceOld, "SLOW"},    {Reason::kUnseenAhead, "STOP"}};
 
 /// What follows once a cause is over, in the page's words.
 std::string liftingOf(Reason reason, const std::string& level) {

@@ -93,6 +93,39 @@ TEST_F(SeveralSensorsTest, AContactWithEithersMapIsAContact) {
   EXPECT_EQ(touch(clear_, clear_to_camera_), Reason::kClear);
 }
 
+TEST_F(SeveralSensorsTest, WhatHasAppearedToOneStopsTheRobotUntilThatOneFails) {
+  remakeWithCamera(false);
+  CuboidMap appeared = post_to_camera_;
+  for (Cuboid& cuboid : appeared.cuboids) cuboid.appeared = true;
+  appeared.appeared = static_cast<std::uint32_t>(appeared.cuboids.size());
+  const double near = 0.64;  // 110 mm before the post
+  const Verdict& verdict = runBoth(kStart, kStart + 1.0, clear_, appeared, near);
+  EXPECT_EQ(verdict.reason, Reason::kApproached);
+  EXPECT_FALSE(verdict.collision);
+  EXPECT_EQ(runBoth(kStart + 1.0, kStart + 4.0, clear_, post_to_camera_, near).reason,
+            Reason::kClear)
+      << "it stands there";
+  EXPECT_EQ(checker_->map()->appeared, 0U);
+  EXPECT_EQ(runBoth(kStart + 4.0, kStart + 5.0, clear_, appeared, near).reason,
+            Reason::kApproached);
+  EXPECT_NE(runLaser(kStart + 5.0, kStart + 9.0, clear_, near).reason, Reason::kApproached);
+}
+
+TEST_F(SeveralSensorsTest, WhatASensorThatFailedHasLeftBehindHasNotAppeared) {
+  remakeWithCamera(false);
+  CuboidMap camera = post_to_camera_, laser = clear_;
+  for (Cuboid& cuboid : camera.cuboids) cuboid.appeared = true;
+  camera.appeared = static_cast<std::uint32_t>(camera.cuboids.size());
+  camera.hold = fromSeconds(10.0);
+  laser.looks.clear();  // it does not see the post's place
+  runBoth(kStart, kStart + 1.0, laser, camera);
+  EXPECT_EQ(checker_->map()->appeared, camera.cuboids.size());
+  runLaser(kStart + 1.0, kStart + 4.0, laser);
+  ASSERT_EQ(checker_->map()->cuboids.size(), camera.cuboids.size());
+  EXPECT_EQ(checker_->map()->appeared, 0U);
+  for (const Cuboid& cuboid : checker_->map()->cuboids) EXPECT_NE(cuboid.held, cuboid.appeared);
+}
+
 TEST_F(SeveralSensorsTest, WhereOneLookedThroughWhatTheOtherSawTimeDecides) {
   CuboidMap old_post = post_;
   const auto reasonOfAge = [&](std::uint32_t unseen_ms) {

@@ -77,6 +77,49 @@ TEST_F(TrajectoryCheckTest, TheFirstOfSeveralContactsIsGiven) {
   EXPECT_NEAR(back_and_forth.time_s, 1.0 + 0.01 / 0.5, kStep / 0.5);
 }
 
+TEST_F(TrajectoryCheckTest, AWayOutOfAContactIsFreeAndSaysThatItMovesOut) {
+  feed(kStart, post_, 0.75);
+  for (const bool begins_now : {true, false}) {
+    auto way = sliding({{0.0, 0.75}, {1.0, 0.6}, {2.0, 0.2}});
+    if (begins_now) way.points.erase(way.points.begin());
+    const auto answer = ask(way);
+    EXPECT_EQ(answer.cause.reason, Reason::kMovingOut);
+    EXPECT_EQ(answer.cause.level, Level::kSlow);
+    EXPECT_EQ(answer.cause.link, "hand");
+    EXPECT_FALSE(answer.index || answer.contact);
+  }
+}
+
+TEST_F(TrajectoryCheckTest, AWayThatGoesOnIntoAContactIsNot) {
+  feed(kStart, post_, 0.75);
+  EXPECT_EQ(ask(sliding({{0.0, 0.75}, {1.0, 0.78}})).cause.reason, Reason::kCollision);
+  EXPECT_EQ(ask(sliding({{0.0, 0.75}, {1.0, 0.75}})).cause.reason, Reason::kCollision);
+  const auto through = ask(sliding({{0.0, 0.75}, {1.0, 1.0}}));
+  EXPECT_EQ(through.cause.reason, Reason::kCollision);
+  EXPECT_EQ(through.time_s, 0.0);
+}
+
+TEST_F(TrajectoryCheckTest, AWayOutThatStaysInContactIsNot) {
+  feed(kStart, post_, 0.75);
+  EXPECT_EQ(ask(sliding({{0.0, 0.75}, {1.0, 0.72}})).cause.reason, Reason::kCollision);
+}
+
+TEST_F(TrajectoryCheckTest, AWayOutThatComesBackTouchesThen) {
+  feed(kStart, post_, 0.75);
+  const auto answer = ask(sliding({{0.0, 0.75}, {1.0, 0.5}, {2.0, 0.75}}));
+  EXPECT_EQ(answer.cause.reason, Reason::kCollision);
+  EXPECT_EQ(answer.index, 2U);
+  EXPECT_NEAR(answer.time_s, 1.0 + 0.21 / 0.25, kStep / 0.25);
+}
+
+TEST_F(TrajectoryCheckTest, AWayOutThatComesToAnotherContactTouchesThat) {
+  test::addBlock(post_, {Vector3(0.2, -0.02, 0.4), Vector3(0.25, 0.02, 0.6)});
+  feed(kStart, post_, 0.75);
+  const auto answer = ask(sliding({{0.0, 0.75}, {1.0, 0.2}}));
+  EXPECT_EQ(answer.cause.reason, Reason::kCollision);
+  EXPECT_NEAR(answer.time_s, (0.75 - 0.34) / 0.55, 0.02);
+}
+
 TEST_F(TrajectoryCheckTest, AContactAtTheVeryStartIsFound) {
   feed(kStart, post_, 0.8);
   const auto answer = ask(sliding({{0.0, 0.8}, {1.0, 0.0}}));

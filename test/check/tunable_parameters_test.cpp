@@ -36,6 +36,7 @@ const std::map<std::string, Case> kCases{
     {"stop_time_s", {0.1, {"way"}}},
     {"reaction_time_s", {0.2, {"way", "moving out", "governed"}}},
     {"deceleration_mps2", {0.5, {"way", "moving out", "governed"}}},
+    {"approach_distance_m", {0.3, {"approached"}}},
     {"release_s", {2.0, {"release"}}},
     {"release_checks", {60, {"release"}}},
     {"speed_scale_rise_per_s", {0.1, {"release"}}},
@@ -58,6 +59,9 @@ class TunableParametersTest : public test::CheckerFixture {
     // Hides half of the hand.
     test::addBlock(blind_, {Vector3(0.0, 0.0, 0.78), Vector3(1.2, 0.3, 0.80)});
     test::lookAround(blind_);
+    appeared_ = post_;
+    for (Cuboid& cuboid : appeared_.cuboids) cuboid.appeared = true;
+    appeared_.appeared = static_cast<std::uint32_t>(appeared_.cuboids.size());
     clear_.look_period = fromSeconds(0.1);
   }
 
@@ -95,6 +99,7 @@ class TunableParametersTest : public test::CheckerFixture {
     said["way"] = watch(post_, 0.0, 0.6);
     said["moving out"] = watch(post_, 0.74, -0.2);
     said["governed"] = watch(clear_, 0.0, 0.5);
+    said["approached"] = watch(appeared_, 0.55, 0.0, 10);
     said["hidden"] = watch(blind_, 0.4, 0.0);
     said["release"] = watch(post_, 0.75, 0.0, 5) + watchOn(clear_, 0.4, 120);
     watch(post_, 0.0, 0.0);
@@ -125,7 +130,7 @@ class TunableParametersTest : public test::CheckerFixture {
     return said.str();
   }
 
-  CuboidMap blind_ = clear_;
+  CuboidMap blind_ = clear_, appeared_ = clear_;
   double now_ = kStart;
 };
 

@@ -18,7 +18,7 @@ constexpr double kPadding = 0.04;
 const std::vector<Pose> kAtOrigin{Pose::Identity()};
 
 /// Stops what touches within 0.3 s and half the braking time at 2 m/s^2.
-Halting halting(double delay_s) { return {1.0, 0.3, 0.1, delay_s, 2.0}; }
+Halting halting(double delay_s) { return {1.0, 0.3, 0.1, delay_s, {2.0, 0.0}}; }
 
 /// The slider robot: padded, its hand reaches 90 mm around (slide, 0, 0.5).
 class WayAheadTest : public ::testing::Test {

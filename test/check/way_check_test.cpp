@@ -183,18 +183,18 @@ PlacedShape wallRegion(double half_width) {
 TEST_F(WayCheckTest, WhatLiesInARegionThatALinkMayTouchIsNoContactOfThatLink) {
   addWall(0.5, 0.0);
   const JointPath path = way({{0.0, 0.0, 0.0}, {1.0, 0.9, 0.0}});
-  ExemptRegions regions(2);
+  const auto exempt = [this](std::size_t shape, double width) {
+    ExemptRegions regions{{{wallRegion(width), {}}}, {{}, {}}};
+    regions.of_shapes[shape] = {0};
+    robot_->collision.exempt(regions);
+  };
   const auto index =
       static_cast<std::size_t>(model_->linkOf(robot_->collision_body.shapes[0]) == "hand" ? 0 : 1);
-  regions[index] = {wallRegion(0.21)};
-  robot_->collision.exempt(regions);
+  exempt(index, 0.21);
   EXPECT_FALSE(first(path));
-  regions[index] = {wallRegion(0.1)};
-  robot_->collision.exempt(regions);
+  exempt(index, 0.1);
   EXPECT_TRUE(first(path)) << "part of the wall is outside, and the ball is as wide as it";
-  regions[index] = {};
-  regions[1 - index] = {wallRegion(0.21)};
-  robot_->collision.exempt(regions);
+  exempt(1 - index, 0.21);
   EXPECT_TRUE(first(path)) << "it is the other link that may touch it";
   robot_->collision.exempt({});
   EXPECT_TRUE(first(path));

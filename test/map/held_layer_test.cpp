@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <iterator>
 #include <set>
 #include <utility>
 #include <vector>
@@ -84,7 +86,58 @@ TEST(HeldLayerTest, WhereThereIsNoRoomItSaysSo) {
   EXPECT_EQ(layer.intervals().size(), 2U);
 }
 
-TEST(HeldLayerTest, RandomCutsLeaveTheHeightsThatWereNotSeen) {
+TEST(HeldLayerTest, OnePieceWithoutRoomIsToldWhateverElseIsCut) {
+  for (const bool is_sorted : {false, true}) {
+    for (const int split : {0, 200}) {
+      HeldLayer layer(10, 2);
+      ASSERT_TRUE(layer.hold(interval(1, 0, 100)));
+      ASSERT_TRUE(layer.hold(interval(1, 200, 300)));
+      if (is_sorted) layer.sort();
+      HeldLayer other = layer;
+      const Columns::Heights middle{static_cast<Height>(split + 40),
+                                    static_cast<Height>(split + 60)};
+      EXPECT_FALSE(layer.seen(1, middle)) << split;
+      EXPECT_FALSE(other.cut([&](const HeldLayer::Interval&) { return middle; })) << split;
+    }
+  }
+}
+
+TEST(HeldLayerTest, WhatIsEmptyMakesRoomForThePiecesOfACut) {
+  HeldLayer layer(10, 2);
+  ASSERT_TRUE(layer.hold(interval(1, 0, 100)));
+  ASSERT_TRUE(layer.hold(interval(2, 0, 100)));
+  EXPECT_TRUE(layer.seen(2, {0, 100}));
+  EXPECT_TRUE(layer.seen(1, {40, 60}));
+  EXPECT_EQ(rows(layer), (Rows{{1, 0, 40}, {1, 60, 100}}));
+}
+
+TEST(HeldLayerTest, WhatWasCutAwayOnceIsGoneFromTheList) {
+  HeldLayer layer(10, 8);
+  ASSERT_TRUE(layer.hold(interval(1, 0, 100)));
+  ASSERT_TRUE(layer.hold(interval(2, 0, 100)));
+  EXPECT_TRUE(layer.cut([](const HeldLayer::Interval& i) {
+    return i.cell == 1 ? i.heights : Columns::Heights{0, 0};
+  }));
+  ASSERT_EQ(layer.intervals().size(), 1U);
+  EXPECT_EQ(layer.intervals().front().cell, 2U);
+}
+
+/// A cell counts its intervals in 16 bits.
+TEST(HeldLayerTest, ACellHoldsSoManyAtATimeAndNoEndOfThemOverTime) {
+  HeldLayer layer(1, 100000);
+  for (int i = 0; i < 65535; ++i) ASSERT_TRUE(layer.hold(interval(0, i - 32768, i - 32767))) << i;
+  EXPECT_TRUE(layer.seen(0, {0, 1}));
+  EXPECT_FALSE(layer.hold(interval(0, 0, 1)));
+  layer.sort();
+  EXPECT_TRUE(layer.hold(interval(0, 0, 1)));
+  for (int i = 0; i < 140000; ++i) {
+    if (i % 2 == 0) layer.clear();
+    layer.releaseIf([](const HeldLayer::Interval&) { return true; });
+    ASSERT_TRUE(layer.hold(interval(0, 0, 1))) << i;
+  }
+}
+
+TEST(HeldLayerTest, RandomCutsAndReleasesLeaveTheHeightsThatWereNotSeen) {
   test::Random random(3);
   HeldLayer layer(4, 1000);
   std::set<std::pair<int, int>> held;  // cell and quantum
@@ -101,6 +154,18 @@ TEST(HeldLayerTest, RandomCutsLeaveTheHeightsThatWereNotSeen) {
           layer.seen(static_cast<CellIndex>(c), {static_cast<Height>(a), static_cast<Height>(b)}));
       for (int h = a; h < b; ++h) held.erase({c, h});
     }
+    if (random.chance(0.1)) {
+      const int cell = random.integer(0, 3);
+      layer.releaseIf([&](const HeldLayer::Interval& i) {
+        const bool is_over = static_cast<int>(i.cell) == cell && i.heights.bottom % 3 == 0;
+        for (int h = i.heights.bottom; is_over && h < i.heights.top; ++h) held.erase({cell, h});
+        return is_over;
+      });
+    }
+    if (random.chance(0.01)) {
+      layer.clear();
+      held.clear();
+    }
     std::set<std::pair<int, int>> listed;
     for (const auto& i : layer.intervals()) {
       for (int h = i.heights.bottom; h < i.heights.top; ++h) {
@@ -108,6 +173,15 @@ TEST(HeldLayerTest, RandomCutsLeaveTheHeightsThatWereNotSeen) {
       }
     }
     ASSERT_EQ(listed, held) << step;
+    if (random.integer(0, 9) == 0) layer.sort();
+    const int first = random.integer(0, 3), last = random.integer(first, 3);
+    std::size_t quanta = 0;
+    layer.visit(static_cast<CellIndex>(first), static_cast<CellIndex>(last),
+                [&](const HeldLayer::Interval& i) {
+                  quanta += static_cast<std::size_t>(std::max(0, i.heights.top - i.heights.bottom));
+                });
+    const auto begin = held.lower_bound({first, 0}), end = held.lower_bound({last + 1, 0});
+    ASSERT_EQ(quanta, static_cast<std::size_t>(std::distance(begin, end))) << step;
   }
 }
 

@@ -53,6 +53,100 @@ TEST(MapperHoldTest, WhatItsNeighboursSupportedIsHeldWithTheirPoints) {
   EXPECT_EQ(feed.map().cuboids.front().points, 3U);
 }
 
+TEST(MapperHoldTest, WhatFewerReturnsLieAroundThanWantedIsNotHeld) {
+  const Vector3 beside = kPlace + Vector3(0.02, 0.0, 0.01);
+  for (const std::size_t wanted : {1U, 4U}) {
+    for (std::size_t returns = 1; returns < 8; ++returns) {
+      Mapper::Config holding = config();
+      holding.hold.support_points = wanted;
+      Feed feed(holding);
+      std::vector<Look> looks(returns / 2, to(beside));
+      looks.resize(returns, to(kPlace));
+      feed.scan(looks);
+      EXPECT_GT(feed.live(), 0U);
+      feed.scan({}, kWindow);
+      EXPECT_EQ(feed.held() > 0, returns >= wanted) << returns;
+    }
+  }
+}
+
+/// Returns of a place that came and left the window before the next came.
+struct Earlier {
+  CellIndex cell;
+  int bottom, top;
+  std::uint32_t returns;
+};
+
+TEST(MapperHoldTest, WhatIsHeldCountsForWhatIsHeldNearIt) {
+  std::size_t near = 0, apart = 0;
+  for (unsigned seed = 0; seed < 60; ++seed) {
+    test::Random random(seed);
+    Mapper::Config holding = config();
+    holding.hold.look_angle_rad = 0.005;
+    Feed feed(holding);
+    const Grid grid(holding.map.grid);
+    std::vector<Earlier> earlier;
+    for (int i = 0; i < 4; ++i) {
+      const Vector3 place(0.02 * random.integer(3, 6) + 0.01, 0.02 * random.integer(3, 6) + 0.01,
+                          0.3 + 0.001 * random.integer(0, 100));
+      const CellIndex cell = grid.place(place)->cell;
+      const int top = grid.place(place)->height, bottom = top - 20;
+      const auto isIn = [cell](const Earlier& other) { return other.cell == cell; };
+      if (std::any_of(earlier.begin(), earlier.end(), isIn)) continue;
+      const auto returns = static_cast<std::uint32_t>(random.integer(1, 5));
+      feed.scan(std::vector<Look>(returns, to(place)));
+      feed.scan({}, kWindow);
+      std::uint32_t support = returns;
+      const auto column = [&](CellIndex c) { return static_cast<int>(c % grid.cellsX()); };
+      const auto row = [&](CellIndex c) { return static_cast<int>(c / grid.cellsX()); };
+      for (const Earlier& other : earlier) {
+        const bool is_near = std::abs(column(other.cell) - column(cell)) <= 1 &&
+                             std::abs(row(other.cell) - row(cell)) <= 1 &&
+                             other.bottom - 30 <= top && bottom - 30 <= other.top;
+        support += is_near ? other.returns : 0;
+        ++(is_near ? near : apart);
+      }
+      earlier.push_back({cell, bottom, top, returns});
+      ASSERT_EQ(feed.held(), earlier.size()) << seed;
+      for (const Cuboid& cuboid : feed.map().cuboids) {
+        EXPECT_TRUE(cuboid.cell != cell || cuboid.points == support) << seed;
+      }
+    }
+  }
+  EXPECT_GT(near, 20U);
+  EXPECT_GT(apart, 50U);
+}
+
+TEST(MapperHoldTest, OfWhatALaterReturnLeftOverOfAnIntervalOneReturnCounts) {
+  const Vector3 below = kPlace - Vector3(0.0, 0.0, 0.005),
+                beside = kPlace + Vector3(0.0, 0.02, 0.0);
+  const Look hand = past(kPlace + Vector3(0.0, 0.0, 0.03), 0.8, Seen::kRobot);
+  Feed feed;
+  feed.scan({to(kPlace)});
+  feed.scan({hand, to(below)});
+  feed.scan({hand}, kWindow);
+  ASSERT_EQ(feed.held(), 2U);
+  feed.scan({hand, to(beside)});
+  feed.scan({hand}, kWindow);
+  ASSERT_EQ(feed.held(), 3U);
+  const CellIndex cell = feed.map().grid.place(beside)->cell;
+  for (const Cuboid& cuboid : feed.map().cuboids) {
+    EXPECT_TRUE(cuboid.cell != cell || cuboid.points == 3);
+  }
+}
+
+TEST(MapperHoldTest, WhatIsHeldDoesNotMakeAFewReturnsBesideItStay) {
+  Mapper::Config holding = config();
+  holding.hold.support_points = 4;
+  Feed feed(holding);
+  feed.scan(std::vector<Look>(4, to(kPlace)));
+  feed.scan({}, kWindow);
+  ASSERT_EQ(feed.held(), 1U);
+  feed.scan(std::vector<Look>(3, to(kPlace + Vector3(0.02, 0.0, 0.0))));
+  feed.scan({}, kWindow);
+  EXPECT_EQ(feed.held(), 1U);
+}
+
 TEST(MapperHoldTest, WhatWasLookedThroughMeanwhileIsGone) {
   Feed feed;
   feed.scan({to(kPlace)});
@@ -111,6 +205,30 @@ TEST(MapperHoldTest, NextToTheRobotAPlaceIsLetGoOfOnceItIsLookedThroughAllAround
   feed.scan(allAround(1.0), 2);
   EXPECT_EQ(feed.held(), 1U) << "something is still there";
   feed.scan(allAround(1.2), 2);
+  EXPECT_EQ(feed.held(), 0U);
+}
+
+TEST(MapperHoldTest, NextToTheRobotWhatWasLookedThroughAllAroundInTheWindowIsNeverHeld) {
+  Mapper::Config wide = config();
+  wide.hold.outline_rad = 0.15;
+  wide.window_scans = 12;
+  Feed feed(wide);
+  feed.scan({to(kPlace)});
+  feed.scan({}, 6);
+  feed.scan(allAround(1.2), 2);
+  for (int i = 0; i < 8; ++i) {
+    feed.scan();
+    EXPECT_EQ(feed.held(), 0U) << i;
+  }
+}
+
+TEST(MapperHoldTest, WhereTheRobotStoodBeforeTheMapBeganAnewHidesNothing) {
+  Feed feed;
+  feed.scan({past(kPlace + Vector3(0.0, 0.02, 0.0), 0.8, Seen::kRobot)});
+  feed.mapper().clear();
+  feed.scan({to(kPlace)});
+  feed.scan({past(kPlace, 1.5, Seen::kNothing)});
+  feed.scan({}, kWindow);
   EXPECT_EQ(feed.held(), 0U);
 }
 
@@ -208,6 +326,19 @@ TEST(MapperHoldTest, WhereMoreIsToBeHeldThanThereIsRoomForTheMapIsNotToBeTrusted
   EXPECT_TRUE(feed.map().overflowed);
   feed.scan({}, kWindow);
   EXPECT_FALSE(feed.map().overflowed);
+}
+
+TEST(MapperHoldTest, WhereWhatIsSeenAgainLeavesTwoPiecesAndRoomForOneTheMapIsNotToBeTrusted) {
+  Mapper::Config tight = config();
+  tight.hold.intervals_max = 1;
+  Feed feed(tight);
+  const Vector3 step(0.0, 0.0, 0.02);
+  feed.scan({to(kPlace - step), to(kPlace), to(kPlace + step)});
+  feed.scan({}, kWindow);
+  ASSERT_EQ(feed.held(), 1U);
+  EXPECT_FALSE(feed.map().overflowed);
+  feed.scan({to(kPlace)});
+  EXPECT_TRUE(feed.map().overflowed);
 }
 
 TEST(MapperHoldTest, RandomStreamsLeaveTheLiveMapAsItIsWithoutHoldingAndApartFromWhatIsHeld) {

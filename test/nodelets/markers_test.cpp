@@ -7,6 +7,8 @@
 #include <array>
 #include <map>
 #include <set>
+#include <sstream>
+#include <string>
 
 #include "ros/conversions.h"
 #include "support/cuboid_scene.h"
@@ -181,6 +183,27 @@ TEST_F(RobotMarkerTest, WhatIsTouchedFirstAndWhatIsExemptAreShown) {
       << by_namespace["status"].text;
 }
 
+TEST_F(RobotMarkerTest, RegionsInForceAreShownWhereTheyAreNow) {
+  const CuboidMap map = scene();
+  judge(map);
+  Exemption exemption{"gripper", "hand", {Box{Vector3(0.1, 0.2, 0.3)}, Pose::Identity()}, {}};
+  exemption.region.pose.translation().x() = 0.25;
+  exemption.frame = "hand";
+  checker_.addExemption(map.stamp, exemption, 1.0);
+  exemption.link = "other";
+  exemption.frame = "cup";  // which nobody has seen
+  checker_.addExemption(map.stamp, exemption, 1.0);
+  exemption.owner = "docking";
+  exemption.frame = "";
+  exemption.with_goal = true;
+  checker_.addExemption(map.stamp, exemption, 1.0);
+  std::vector<Marker> hand = draw(judge(map), "now"), regions = draw(judge(map), "exemptions");
+  ASSERT_FALSE(hand.empty());
+  ASSERT_EQ(regions.size(), 1U);
+  EXPECT_NEAR(regions[0].pose.position.x, hand[0].pose.position.x + 0.25, 1e-9);
+  EXPECT_NEAR(regions[0].pose.position.z, hand[0].pose.position.z, 1e-9);
+}
+
 TEST_F(RobotMarkerTest, ThePrimitivesOfEachUseHaveANamespaceAndIdsOfTheirOwn) {
   const auto markers = draw(judge(scene())).markers;
   std::map<std::string, std::set<int>> ids;
@@ -214,6 +237,43 @@ TEST_F(RobotMarkerTest, WhatTheHandHoldsIsDrawnWithIt) {
       std::count_if(markers.begin(), markers.end(), [](const Marker& m) { return m.ns == "now"; }),
       5)
       << "two balls, and a capsule's three parts";
+}
+
+TEST_F(RobotMarkerTest, RegionsToKeepOutOfAreTranslucentBoxesWithTheirNamesInTheirOwnFrames) {
+  checker_.setKeepOut({"near", "", Box{Vector3(0.1, 0.2, 0.3)}, test::placedAt(0.7, 0.0, 0.5)});
+  checker_.setKeepOut({"far", "base", Box{Vector3(0.1, 0.2, 0.3)}, test::placedAt(5.0, 0.0, 0.5)});
+  const Verdict& verdict = judge(scene());
+  const std::vector<Marker> boxes = draw(verdict, "keep out");
+  ASSERT_EQ(boxes.size(), 2U);
+  EXPECT_EQ(boxes[0].type, Marker::CUBE);
+  EXPECT_EQ(boxes[0].header.frame_id, "odom");
+  EXPECT_EQ(boxes[1].header.frame_id, "base");
+  EXPECT_NEAR(boxes[0].pose.position.x, 0.7, 1e-9);
+  EXPECT_NEAR(boxes[0].scale.z, 0.6, 1e-9);
+  EXPECT_LT(boxes[0].color.a, 0.5F);
+  EXPECT_EQ(boxes[0].color.b, boxes[1].color.b);
+  const std::vector<Marker> names = draw(verdict, "keep out names");
+  ASSERT_EQ(names.size(), 2U);
+  EXPECT_EQ(names[0].text, "near");
+  EXPECT_EQ(names[1].text, "far");
+  EXPECT_EQ(names[1].header.frame_id, "base");
+}
+
+TEST_F(RobotMarkerTest, ARegionThatALinkIsInIsMagentaAndSoIsThePrimitive) {
+  checker_.setKeepOut({"near", "", Box{Vector3(0.1, 0.2, 0.3)}, test::placedAt(0.6, 0.0, 0.5)});
+  const Verdict& verdict = judge(scene());
+  for (const char* name : {"keep out", "now", "ahead"}) {
+    const Marker marker = draw(verdict, name).front();
+    EXPECT_GT(marker.color.b, 0.7F) << name;
+    EXPECT_LT(marker.color.g, 0.1F) << name;
+  }
+}
+
+TEST_F(RobotMarkerTest, RegionsShowBeforeTheRobotCanBePlaced) {
+  checker_.setKeepOut({"near", "", Box{Vector3(0.1, 0.2, 0.3)}, test::placedAt(0.6, 0.0, 0.5)});
+  const Verdict& verdict = checker_.check(Time(fromSeconds(100.0)));
+  EXPECT_FALSE(verdict.placed);
+  EXPECT_EQ(draw(verdict, "keep out").size(), 1U);
 }
 
 TEST(SelfFilterMarkersTest, TheBodyIsDrawnAsFarAsItIsFilteredOut) {
@@ -288,6 +348,21 @@ TEST_F(RobotMarkerTest, TheUnseenWayAheadIsShownAsPlacesAndAsAShare) {
   }
   const std::string text = draw(verdict, "status").at(0).text;
   EXPECT_NE(text.find(", 100 % unseen"), std::string::npos) << text;
+}
+
+TEST_F(RobotMarkerTest, ALongTextStaysInTheViewInShortLines) {
+  Verdict verdict = judge(scene());
+  verdict.detail =
+      "right_inner_finger_link_of_the_second_arm: something that has appeared is "
+      "within 150 mm";
+  const std::string text = draw(verdict, "status").at(0).text;
+  std::istringstream lines(text);
+  std::string line, all;
+  while (std::getline(lines, line)) {
+    EXPECT_TRUE(line.size() <= 44 || line.find(' ') == std::string::npos) << line;
+    all += line + " ";
+  }
+  EXPECT_NE(all.find(verdict.detail), std::string::npos) << "no word is lost: " << text;
 }
 
 TEST_F(RobotMarkerTest, AtEachLinkTheAgeOfWhatIsKnownIsWrittenFromGreenToRed) {

@@ -194,6 +194,38 @@ TEST_F(VerdictConversionTest, HeldCuboidsAreCountedAmongTheMaps) {
   EXPECT_EQ(status.held, 2U);
 }
 
+TEST_F(VerdictConversionTest, ExemptionsSayWhereTheyAreAndWhyTheyAreNotInForce) {
+  const CuboidMap map = emptyScene();
+  judge(map, 0.2, 0.0);
+  Exemption exemption{"gripper", "hand", {Sphere{0.1}, Pose::Identity()}, {}};
+  exemption.region.pose.translation().x() = 0.25;
+  exemption.frame = "hand";
+  checker_.addExemption(map.stamp, exemption, 1.0);
+  exemption.link = "other";
+  exemption.frame = "cup";
+  exemption.with_goal = true;
+  checker_.addExemption(map.stamp, exemption, 1.0);
+  checker_.reportGoal(map.stamp, "gripper", "1", true);
+  const Verdict& verdict = checker_.check(map.stamp + fromSeconds(0.01));
+  const auto status = statusOf(verdict);
+  ASSERT_EQ(status.exemptions.size(), 2U);
+  const auto& in_force = status.exemptions[0];
+  EXPECT_EQ(in_force.owner, "gripper");
+  EXPECT_EQ(in_force.link, "hand");
+  EXPECT_EQ(in_force.frame, "hand");
+  EXPECT_FALSE(in_force.with_goal);
+  EXPECT_EQ(in_force.why_not, "");
+  EXPECT_EQ(in_force.until, toRos(map.stamp + fromSeconds(1.0)));
+  EXPECT_NEAR(in_force.region.pose.position.x, 0.25, 1e-9);
+  EXPECT_NEAR(in_force.pose.position.x, 0.45, 1e-9);
+  EXPECT_NEAR(in_force.pose.position.z, 0.5, 1e-9);
+  const auto& other = status.exemptions[1];
+  EXPECT_EQ(other.frame, "cup");
+  EXPECT_TRUE(other.with_goal);
+  EXPECT_NE(other.why_not.find("'cup'"), std::string::npos) << other.why_not;
+  EXPECT_EQ(other.pose, geometry_msgs::Pose()) << "it is not known";
+}
+
 TEST_F(VerdictConversionTest, AMapThatWentThroughAMessageGivesTheVeryVerdict) {
   test::Random random(2);
   std::size_t collisions = 0, occlusions = 0;

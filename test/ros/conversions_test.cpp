@@ -60,6 +60,8 @@ CuboidMap randomScene(test::Random& random) {
     cuboid.age_scans = static_cast<std::uint32_t>(random.integer(0, 1000));
     cuboid.dyn = cuboid.age_scans / 60;
     cuboid.held = random.chance(0.2);
+    cuboid.appeared = !cuboid.held && cuboid.age_scans % 3 == 0;
+    map.appeared += cuboid.appeared ? 1 : 0;
   }
   map.tilt_stopped = random.chance(0.5);
   map.look_period = fromSeconds(random.uniform(0.0, 3.0));
@@ -106,8 +108,8 @@ void expectSame(const CuboidMap& a, const CuboidMap& b) {
   ASSERT_EQ(a.cuboids.size(), b.cuboids.size());
   for (std::size_t i = 0; i < a.cuboids.size(); ++i) {
     const Cuboid &c = a.cuboids[i], &d = b.cuboids[i];
-    ASSERT_EQ(std::tie(c.cell, c.bottom, c.top, c.points, c.age_scans, c.dyn, c.held),
-              std::tie(d.cell, d.bottom, d.top, d.points, d.age_scans, d.dyn, d.held));
+    ASSERT_EQ(std::tie(c.cell, c.bottom, c.top, c.points, c.age_scans, c.dyn, c.held, c.appeared),
+              std::tie(d.cell, d.bottom, d.top, d.points, d.age_scans, d.dyn, d.held, d.appeared));
   }
 }
 

@@ -95,6 +95,10 @@ CASES = {
                       KEY_TWICE),
     "no_number": Case(ARMS, {nodelet: ["line 2", "horizon_s", ".nan"] for nodelet in FIRST},
                       NO_NUMBER),
+    "lost_region": Case(ARMS, {"collision_checker": ["keep_out[0]/frame: 'nowhere'", "'base_link'"]},
+                        {"collision_checker": {"keep_out": [
+                            {"name": "wall", "frame": "nowhere", "size_x_m": 0.1, "size_y_m": 1.0,
+                             "size_z_m": 2.0}]}}),
     "leftover": Case(ARMS, {}),
     "missing_mesh": Case(MISSING_MESH, {nodelet: ["hand_link", MESH_URI] for nodelet in BOTH}),
     "broken_mesh": Case(lambda folder: robot_with_mesh(folder, "broken.stl", b"solid but nothing"),

@@ -70,20 +70,20 @@ AssembledScan assembledScan(std::size_t beams) {
 
 TEST(CloudConversionTest, OfAScanTheKeptPointsComeBack) {
   sensor_msgs::PointCloud2 cloud;
-  toMessage(assembledScan(16), "base_link", cloud);
+  toMessage(assembledScan(17), "base_link", cloud);
   EXPECT_EQ(cloud.header.frame_id, "base_link");
-  EXPECT_EQ(cloud.width * cloud.height, 16U);
+  EXPECT_EQ(cloud.width * cloud.height, 17U);
   EXPECT_EQ(cloud.row_step * cloud.height, cloud.data.size());
   ScanReturns returns;
   returns.points.emplace_back(9.0, 9.0, 9.0);  // of an earlier use
   ASSERT_EQ(fromMessage(cloud, returns), "");
   EXPECT_EQ(returns.stamp, at(12.5));
   EXPECT_EQ(returns.tilt, 0.5);
-  EXPECT_EQ(returns.viewpoint, Vector3(0.0, 15.0, 1.5));
+  EXPECT_EQ(returns.viewpoint, Vector3(0.0, 16.0, 1.5));
   ASSERT_EQ(returns.points.size(), 3U);
   EXPECT_EQ(returns.points[0], Vector3(1.0, 0.5, -0.25));
-  EXPECT_EQ(returns.points[1], Vector3(8.0, 0.5, -0.25));
-  EXPECT_EQ(returns.points[2], Vector3(15.0, 0.5, -0.25));
+  EXPECT_EQ(returns.points[1], Vector3(9.0, 0.5, -0.25));
+  EXPECT_EQ(returns.points[2], Vector3(17.0, 0.5, -0.25));
 }
 
 TEST(CloudConversionTest, AScanWithoutReturnsIsAScanAllTheSame) {

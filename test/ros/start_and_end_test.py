@@ -25,7 +25,8 @@ HANG = 5.0  # seconds
 TYPES = {"tilt_scan_assembler": "TiltScanAssembler", "tccm_mapper": "TccmMapper",
          "collision_checker": "CollisionChecker"}
 SERVICES = {"tilt_scan_assembler": [], "tccm_mapper": ["/clear_map", "/get_cuboid_map"],
-            "collision_checker": ["/check_state", "/check_trajectory", "/add_exemption", "/reset",
+            "collision_checker": ["/check_state", "/check_trajectory", "/add_exemption",
+                                  "/lift_exemption", "/list_exemptions", "/report_goal", "/reset",
                                   "/attach_object", "/detach_object",
                                   "/collision_checker/set_parameters"]}
 CRASHES = {-signal.SIGSEGV, -signal.SIGABRT, -signal.SIGBUS, -signal.SIGFPE, -signal.SIGILL}

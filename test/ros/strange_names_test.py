@@ -21,7 +21,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from gated_robot import pid_of_manager, wait_for
 from tccm_monitor.msg import (AttachedObject, AttachedObjects, CuboidMap, MotionPermission,
                               Primitive, ScanReport)
-from tccm_monitor.srv import AddExemption, AttachObject, CheckState
+from tccm_monitor.srv import AddExemption, AttachObject, CheckState, ReportGoal
 
 GROWTH_MAX_KB = 20_000
 BURST = 50  # names in one message
@@ -51,6 +51,7 @@ class StrangeNamesTest(unittest.TestCase):
                               ("scan_report", ScanReport), ("trajectory", JointTrajectory),
                               ("attached_objects", AttachedObjects), ("cuboid_map", CuboidMap))}
         cls.services = [rospy.ServiceProxy("add_exemption", AddExemption),
+                        rospy.ServiceProxy("report_goal", ReportGoal),
                         rospy.ServiceProxy("attach_object", AttachObject),
                         rospy.ServiceProxy("check_state", CheckState)]
         cls.services[0].wait_for_service(20.0)
@@ -123,7 +124,8 @@ class StrangeNamesTest(unittest.TestCase):
         sphere = Primitive(shape="sphere", radius=0.01)
         sphere.pose.orientation.w = 1.0
         for service, arguments in zip(cls.services, (
-                (cls.name(), "right_palm_link", sphere, rospy.Duration(1.0)),
+                (cls.name(), "right_palm_link", sphere, rospy.Duration(1.0), cls.name(), True),
+                (cls.name(), cls.name(), True),
                 (cls.name(), "right_palm_link", sphere),
                 (JointState(name=[cls.name()], position=[0.0]),))):
             try:

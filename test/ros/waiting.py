@@ -1,6 +1,10 @@
 """What tests do that wait for something to happen, on the wall clock."""
 
 import time
+import xmlrpc.client
+
+import rosgraph
+import rospy
 
 PATIENCE = 20.0  # seconds
 
@@ -15,3 +19,10 @@ def wait_for(what, patience=PATIENCE):
         if time.monotonic() > deadline:
             raise AssertionError("it does not happen: " + (what.__doc__ or repr(what)))
         time.sleep(0.002)
+
+
+def process_of(node):
+    """@return the number of its process."""
+    master = rosgraph.Master(rospy.get_name())
+    _, _, process = xmlrpc.client.ServerProxy(master.lookupNode(node)).getPid(rospy.get_name())
+    return process

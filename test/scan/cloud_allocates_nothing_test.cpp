@@ -3,31 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
+#include "support/counted_allocations.h"
 #include "support/depth_view.h"
-
-namespace {
-
-std::atomic<bool> is_counting{false};
-std::atomic<int> allocations{0};
-
-void* allocated(std::size_t size) {
-  if (is_counting) ++allocations;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-
-}  // namespace
-
-void* operator new(std::size_t size) { return allocated(size); }
-void* operator new[](std::size_t size) { return allocated(size); }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete[](void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace tccm {
 namespace {
@@ -39,13 +16,13 @@ int allocationsOf(const Cloud& cloud) {
   const PosePath T_fixed_sensor = view.sensorPath();
   const auto T_fixed_roots = view.rootPaths();
   EXPECT_EQ(stage.assemble(cloud, T_fixed_sensor, T_fixed_roots), "");
-  allocations = 0;
-  is_counting = true;
+  test::allocations = 0;
+  test::is_counting = true;
   for (int i = 0; i < 5; ++i) {
     static_cast<void>(stage.assemble(cloud, T_fixed_sensor, T_fixed_roots));
   }
-  is_counting = false;
-  return allocations;
+  test::is_counting = false;
+  return test::allocations;
 }
 
 TEST(CloudAllocatesNothingTest, ACamerasCloudsAllocateNothingAfterTheFirst) {

@@ -272,6 +272,51 @@ TEST(FlyingPixelFilterTest, ZeroIsNoFilter) {
   EXPECT_EQ(flyingOf(imageOf(10, 10, depth), {}, off).removed(), 0U);
 }
 
+TEST(ThinningTest, OfADenseCloudEveryOtherRowAndColumnIsTaken) {
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    Random random(seed);
+    const double depth = random.uniform(0.5, 4.0);
+    Thinning thinning;
+    thinning.spacing_m = random.uniform(0.005, 0.02);
+    Filtered image = imageOf(24, 18, [depth](std::size_t, std::size_t) { return depth; });
+    image.state.kinds[7] = BeamKind::kUnknown;
+    for (std::size_t row = 0; row < 18; ++row) {
+      thinning.applyToRow(image.cloud, static_cast<float>(kPixel), row, image.state);
+    }
+    EXPECT_EQ(image.at(0, 7), BeamKind::kUnknown) << seed;
+    // A picture of 24 pixels is so narrow that ranges are depths.
+    const double apart = 2.0 * kPixel * depth;
+    if (std::abs(apart - thinning.spacing_m) < 1e-4) continue;
+    const bool is_dense = apart < thinning.spacing_m;
+    for (std::size_t row = 0; row < 18; ++row) {
+      for (std::size_t column = 0; column < 24; ++column) {
+        const bool is_row = row % 2 == 0 || row == 17, is_column = column % 2 == 0 || column == 23;
+        const bool is_taken = !is_dense || (is_row && is_column);
+        if (row == 0 && column == 7) continue;
+        const BeamKind expected = is_taken ? BeamKind::kReturn : BeamKind::kThinned;
+        EXPECT_EQ(image.at(row, column), expected) << seed;
+      }
+    }
+  }
+}
+
+TEST(ThinningTest, NothingIsThinnedWhereNeighboursAreNotKnownOrNobodyWantsIt) {
+  const auto near = [](std::size_t, std::size_t) { return 0.4; };
+  const auto thinnedOf = [](Filtered image, double spacing_m, float step_rad) {
+    Thinning thinning;
+    thinning.spacing_m = spacing_m;
+    for (std::size_t row = 0; row < image.cloud.height; ++row) {
+      thinning.applyToRow(image.cloud, step_rad, row, image.state);
+    }
+    return std::count(image.state.kinds.begin(), image.state.kinds.end(), BeamKind::kThinned);
+  };
+  constexpr auto kStep = static_cast<float>(kPixel);
+  EXPECT_EQ(thinnedOf(imageOf(20, 20, near), 0.01, kStep), 400 - 11 * 11);
+  EXPECT_EQ(thinnedOf(imageOf(20, 20, near), 0.0, kStep), 0);
+  EXPECT_EQ(thinnedOf(imageOf(20, 20, near), 0.01, 0.0F), 0);
+  EXPECT_EQ(thinnedOf(imageOf(400, 1, near), 0.01, kStep), 0);
+}
+
 Filtered looseCloud(const std::vector<Vector3>& points) {
   Filtered loose;
   loose.cloud.width = points.size();

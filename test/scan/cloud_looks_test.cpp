@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "support/near.h"
@@ -29,20 +30,37 @@ struct View {
 
 constexpr float kPixel = 1.0F / 550.0F;
 
-View wall(bool organised, float away = 2.0F) {
+/// At 2 m. @param across, down between neighbours [rad].
+View wallOf(int width, int height, float across = kPixel, float down = kPixel) {
   View view;
-  view.cloud.width = organised ? 64 : 64 * 48;
-  view.cloud.height = organised ? 48 : 1;
-  for (int row = 0; row < 48; ++row) {
-    for (int column = 0; column < 64; ++column) {
-      const Eigen::Vector3f d(kPixel * static_cast<float>(column - 32),
-                              kPixel * static_cast<float>(row - 24), 1.0F);
-      view.cloud.points.push_back(away * d);
+  view.cloud.width = static_cast<std::size_t>(width);
+  view.cloud.height = static_cast<std::size_t>(height);
+  const int middle_row = height / 2, middle_column = width / 2;
+  for (int row = 0; row < height; ++row) {
+    for (int column = 0; column < width; ++column) {
+      const Eigen::Vector3f d(across * static_cast<float>(column - middle_column),
+                              down * static_cast<float>(row - middle_row), 1.0F);
+      view.cloud.points.push_back(2.0F * d);
       view.state.ranges.push_back(view.cloud.points.back().norm());
       view.state.kinds.push_back(BeamKind::kReturn);
     }
   }
   return view;
+}
+
+View wall(bool organised) {
+  View view = wallOf(64, 48);
+  if (organised) return view;
+  view.cloud.width *= view.cloud.height;
+  view.cloud.height = 1;
+  return view;
+}
+
+/// Of the wall, which lies in blocks of 10 x 10 pixels: those of each block.
+std::vector<std::vector<std::size_t>> blocksOfWall() {
+  std::vector<std::vector<std::size_t>> blocks(35);  // 7 x 5
+  for (std::size_t i = 0; i < 3072; ++i) blocks[i / 64 / 10 * 7 + i % 64 / 10].push_back(i);
+  return blocks;
 }
 
 void forget(View& view, std::size_t i) {
@@ -127,6 +145,25 @@ TEST(CloudLooksTest, ABlockThatIsMostlyFilteredOutIsUnclear) {
   }
 }
 
+TEST(CloudLooksTest, WhatIsThinnedOutSharesTheFateOfTheRest) {
+  for (const BeamKind filtered : {BeamKind::kShadow, BeamKind::kMixedPixel}) {
+    for (const bool is_filtered : {false, true}) {
+      View view = wall(true);
+      for (std::size_t i = 0; i < view.state.kinds.size(); ++i) {
+        const bool is_taken = i / 64 % 2 == 0 && i % 2 == 0;
+        if (!is_taken) view.state.kinds[i] = BeamKind::kThinned;
+        if (is_taken && is_filtered) view.state.kinds[i] = filtered;
+      }
+      CloudLooks taker{{}};
+      const auto looks = view.looks(taker);
+      EXPECT_GE(looks.size(), 20U);
+      for (const Look& look : looks) {
+        EXPECT_EQ(look.what, is_filtered ? Seen::kUnclear : Seen::kSurface);
+      }
+    }
+  }
+}
+
 TEST(CloudLooksTest, NoLookReachesFurtherThanTheNearestPointAround) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     Random random(seed);
@@ -149,6 +186,138 @@ TEST(CloudLooksTest, NoLookReachesFurtherThanTheNearestPointAround) {
       }
     }
   }
+}
+
+TEST(CloudLooksTest, ABlockIsUnclearWhereMoreThanHalfOfItIsFilteredOutOrUnknown) {
+  const auto blocks = blocksOfWall();
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    Random random(seed);
+    View view = wall(true);
+    std::vector<std::size_t> lost;
+    for (const std::vector<std::size_t>& block : blocks) {
+      const int half = static_cast<int>(block.size() / 2);
+      lost.push_back(static_cast<std::size_t>(half + random.integer(-1, 1)));
+      for (std::size_t k = 0; k < lost.back(); ++k) {
+        if (random.chance(0.5)) forget(view, block[k]);
+        view.state.kinds[block[k]] = random.chance(0.5) ? BeamKind::kShadow : BeamKind::kMixedPixel;
+      }
+    }
+    CloudLooks taker{{}};
+    const auto looks = view.looks(taker);
+    ASSERT_EQ(looks.size(), blocks.size());
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      const bool is_unclear = 2 * lost[i] > blocks[i].size();
+      EXPECT_EQ(looks[i].what, is_unclear ? Seen::kUnclear : Seen::kSurface) << seed << ", " << i;
+      EXPECT_NEAR(looks[i].end.z(), 2.0, 0.02) << "what was not measured is not near";
+    }
+  }
+}
+
+TEST(CloudLooksTest, WhatWasNotMeasuredDoesNotJudgeWhatIsThinnedOut) {
+  // Of each four points one was not thinned out, and of these each fourth row was measured.
+  View view = wall(true);
+  for (std::size_t i = 0; i < view.state.kinds.size(); ++i) {
+    const bool is_taken = i / 64 % 2 == 0 && i % 2 == 0;
+    if (!is_taken) {
+      view.state.kinds[i] = BeamKind::kThinned;
+    } else if (i / 64 % 8 != 0) {
+      forget(view, i);
+    }
+  }
+  CloudLooks taker{{}};
+  const auto looks = view.looks(taker);
+  ASSERT_EQ(looks.size(), 35U);
+  for (const Look& look : looks) EXPECT_EQ(look.what, Seen::kSurface);
+}
+
+TEST(CloudLooksTest, ALookIsFromWhereItsBlocksFirstPointWasMeasured) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    Random random(seed);
+    View view = wall(true);
+    for (std::size_t i = 0; i < view.cloud.points.size(); ++i) {
+      if (random.chance(0.7)) forget(view, i);
+    }
+    view.places.resize(view.cloud.points.size());
+    for (std::size_t i = 0; i < view.places.size(); ++i) {
+      view.places[i].T_fixed_sensor.setIdentity();
+      view.places[i].T_fixed_sensor.translation().x() = static_cast<double>(i);
+    }
+    CloudLooks taker{{}};
+    std::vector<Look> looks;
+    taker.take(
+        view.cloud, view.state, view.places, [](std::size_t i) { return i; }, looks);
+    const auto blocks = blocksOfWall();
+    ASSERT_EQ(looks.size(), blocks.size());
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+      const auto first = std::find_if(blocks[b].begin(), blocks[b].end(),
+                                      [&](std::size_t i) { return view.state.ranges[i] > 0.0F; });
+      ASSERT_NE(first, blocks[b].end());
+      EXPECT_EQ(looks[b].viewpoint.x(), static_cast<double>(*first)) << seed << ", " << b;
+    }
+  }
+}
+
+TEST(CloudLooksTest, OfWhatIsBeyondTheLimitsOfRangeTheDirectionIsKnown) {
+  View view = wall(true);
+  CloudLooks before{{}};
+  const auto seen = view.looks(before);
+  for (std::size_t i = 0; i < view.cloud.points.size(); ++i) {
+    if (i % 64 >= 20) continue;
+    view.state.ranges[i] = 0.0F;
+    view.state.kinds[i] = BeamKind::kUnknown;
+  }
+  CloudLooks taker{{}};
+  const auto looks = view.looks(taker);
+  ASSERT_EQ(looks.size(), seen.size());
+  for (std::size_t i = 0; i < looks.size(); ++i) {
+    EXPECT_EQ(looks[i].what, i % 7 < 2 ? Seen::kUnclear : Seen::kSurface) << i;
+    EXPECT_TRUE(isNearly(looks[i].end.normalized(), seen[i].end.normalized(), 1e-4)) << i;
+  }
+}
+
+TEST(CloudLooksTest, WhateverWasSeenBeforeACloudOfAnotherKindIsSeenAsIfItWereTheFirst) {
+  Random random(7);
+  CloudLooks taker{{}};
+  for (int i = 0; i < 60; ++i) {
+    View view = random.chance(0.3) ? wall(false)
+                                   : wallOf(32 * random.integer(1, 3), 24 * random.integer(1, 3));
+    const bool is_dark = random.chance(0.2);
+    for (std::size_t k = 0; is_dark && k < view.cloud.points.size(); ++k) forget(view, k);
+    CloudLooks fresh{{}};
+    const auto looks = view.looks(taker), expected = view.looks(fresh);
+    // Of one of the same size the directions are known from before.
+    if (is_dark && !looks.empty()) continue;
+    ASSERT_EQ(looks.size(), expected.size()) << i;
+    for (std::size_t k = 0; k < looks.size(); ++k) {
+      EXPECT_TRUE(isNearly(looks[k].end, expected[k].end, 1e-6)) << i;
+      EXPECT_EQ(looks[k].what, expected[k].what) << i;
+    }
+  }
+}
+
+TEST(CloudLooksTest, InACloudOfAnotherSizeNoOldDirectionIsLeft) {
+  CloudLooks taker{{}};
+  EXPECT_FALSE(wall(true).looks(taker).empty());
+  View dark = wallOf(80, 48);
+  for (std::size_t i = 0; i < dark.cloud.points.size(); ++i) forget(dark, i);
+  EXPECT_TRUE(dark.looks(taker).empty());
+}
+
+TEST(CloudLooksTest, TheStepIsThatBetweenNeighboursInRowsOrColumnsWhicheverIsLarger) {
+  const auto stepOf = [](const View& view) {
+    CloudLooks taker{{}};
+    taker.begin(view.cloud, view.state);
+    return taker.stepRad();
+  };
+  EXPECT_NEAR(stepOf(wallOf(64, 48, 0.002F, 0.004F)), 0.004F, 1e-4F);
+  EXPECT_NEAR(stepOf(wallOf(64, 48, 0.004F, 0.002F)), 0.004F, 1e-4F);
+  View narrow = wallOf(2, 60, 0.004F, 0.003F);
+  forget(narrow, 0);
+  EXPECT_NEAR(stepOf(narrow), 0.004F, 1e-4F) << "from one row's end to the next is no step";
+  EXPECT_EQ(stepOf(wallOf(64, 48, 0.002F, 0.03F)), 0.0F) << "a row makes a block";
+  EXPECT_EQ(stepOf(wallOf(64, 48, 0.03F, 0.002F)), 0.0F) << "a column makes a block";
+  EXPECT_EQ(stepOf(wallOf(7, 7)), 0.0F) << "few neighbours do not tell";
+  EXPECT_EQ(stepOf(wall(false)), 0.0F);
 }
 
 }  // namespace

@@ -24,8 +24,15 @@ Pose poseAt(double x, double y, double z) {
   return pose;
 }
 
-CloudStage::Config withoutRobot() {
+/// With each of the points.
+CloudStage::Config unthinned() {
   CloudStage::Config config;
+  config.thinning.spacing_m = 0.0;
+  return config;
+}
+
+CloudStage::Config withoutRobot() {
+  CloudStage::Config config = unthinned();
   config.self_filter = false;
   return config;
 }
@@ -186,7 +193,7 @@ TEST(CloudStageTest, OfARobotInViewNoPointIsLeftAndTheFilterIsExact) {
     const test::DepthView view(shoulder);
     const auto seen = view.camera(1);
     ASSERT_GT(seen.robot_points, 5000U);
-    CloudStage::Config config;
+    const CloudStage::Config config = unthinned();
     CloudStage stage(config, view.model()), bare(withoutRobot(), nullptr);
     view.tellJoints(stage);
     ASSERT_EQ(stage.assemble(seen.cloud, view.sensorPath(), view.rootPaths()), "");
@@ -208,6 +215,65 @@ TEST(CloudStageTest, OfARobotInViewNoPointIsLeftAndTheFilterIsExact) {
     for (const Look& look : stage.returns().looks) robot_looks += look.what == Seen::kRobot ? 1 : 0;
     EXPECT_GT(robot_looks, 50U);
     EXPECT_LT(stage.returns().looks.size(), 4000U);
+  }
+}
+
+TEST(CloudStageTest, ADenseCloudIsThinnedAndItsLooksTellTheSame) {
+  const test::DepthView view;
+  const auto seen = view.camera(1);
+  CloudStage thinned({}, view.model()), all(unthinned(), view.model());
+  for (CloudStage* stage : {&thinned, &all}) {
+    view.tellJoints(*stage);
+    ASSERT_EQ(stage->assemble(seen.cloud, view.sensorPath(), view.rootPaths()), "");
+  }
+  std::size_t dense = 0, of_these = 0;
+  for (std::size_t i = 0; i < seen.cloud.points.size(); ++i) {
+    if (thinned.kinds()[i] != BeamKind::kThinned) {
+      EXPECT_EQ(thinned.kinds()[i], all.kinds()[i]) << i;
+      continue;
+    }
+    ++dense;
+    of_these += all.kinds()[i] == BeamKind::kReturn ? 1 : 0;
+  }
+  EXPECT_GT(dense, seen.cloud.points.size() / 3);
+  EXPECT_GT(of_these, dense / 2);
+  EXPECT_LE(thinned.returns().points.size() + of_these, all.returns().points.size() + 1);
+  ASSERT_EQ(thinned.returns().looks.size(), all.returns().looks.size());
+  std::size_t others = 0;  // at the robot's outline
+  for (std::size_t i = 0; i < all.returns().looks.size(); ++i) {
+    const Look &look = thinned.returns().looks[i], &of_all = all.returns().looks[i];
+    const double range = (look.end - look.viewpoint).norm();
+    EXPECT_NEAR(range, (of_all.end - of_all.viewpoint).norm(), 1e-5);
+    EXPECT_TRUE(isNearly(look.end, of_all.end, 0.006 * range));
+    others += look.what != of_all.what ? 1 : 0;
+  }
+  EXPECT_LT(others, all.returns().looks.size() / 40);
+}
+
+TEST(CloudStageTest, ACloudThatIsSortedRowByRowGivesTheSameAsOneThatIsSortedBefore) {
+  const test::DepthView view;
+  Cloud cloud = view.camera(1).cloud, further = cloud;
+  Random random(5);
+  for (Eigen::Vector3f& point : cloud.points) {
+    if (random.chance(0.2)) point *= static_cast<float>(random.uniform(0.9, 1.1));
+  }
+  for (Eigen::Vector3f& point : further.points) point *= 1.5F;
+  CloudStage at_once(unthinned(), view.model()), by_rows(unthinned(), view.model());
+  for (CloudStage* stage : {&at_once, &by_rows}) view.tellJoints(*stage);
+  // Whoever has seen one of these knows where its looks are, and needs no range but those of a row
+  // and its neighbours.
+  ASSERT_EQ(by_rows.assemble(further, view.sensorPath(), view.rootPaths()), "");
+  for (CloudStage* stage : {&at_once, &by_rows}) {
+    ASSERT_EQ(stage->assemble(cloud, view.sensorPath(), view.rootPaths()), "");
+  }
+  EXPECT_EQ(by_rows.kinds(), at_once.kinds());
+  EXPECT_EQ(by_rows.counts(), at_once.counts());
+  EXPECT_GT(by_rows.counts()[static_cast<std::size_t>(BeamKind::kMixedPixel)], 1000U);
+  EXPECT_EQ(by_rows.returns().points, at_once.returns().points);
+  ASSERT_EQ(by_rows.returns().looks.size(), at_once.returns().looks.size());
+  for (std::size_t i = 0; i < at_once.returns().looks.size(); ++i) {
+    EXPECT_EQ(by_rows.returns().looks[i].end, at_once.returns().looks[i].end);
+    EXPECT_EQ(by_rows.returns().looks[i].what, at_once.returns().looks[i].what);
   }
 }
 

@@ -18,12 +18,13 @@ generate_messages_page = load("generate_messages_page")
 
 README_BYTES = 8192
 # The pages in which names of each kind may be defined.
-PAGES = {"topic": ("interfaces.md", "controllers.md"), "service": ("interfaces.md",),
+PAGES = {"topic": ("interfaces.md",), "service": ("interfaces.md",),
          "field": ("messages.md",), "constant": ("messages.md",),
          "parameter": ("parameters.md",), "program": ("offline.md",), "reason": ("failures.md",)}
-OTHER_HEADS = ("option",)  # of tables whose rows begin with backticks and define none of these
+# Of tables whose rows begin with backticks and define none of these.
+OTHER_HEADS = ("option", "action", "key of a region", "key of a controller")
 
-PUBLISHED = re.compile(r'(?:\badvertise|\bsubscribe|SubscribeOptions::create|Publisher|Subscriber)'
+PUBLISHED = re.compile(r'(?:\badvertise|\bsubscribe|\bhear|SubscribeOptions::create|Publisher|Subscriber)'
                        r'(?:<[^<>()]*>)?\(\s*(?:\w+(?:\(\))?,\s*)?"([^"/][^"]*)"')
 SERVED = re.compile(r'(?:\badvertiseService(?:<[^<>()]*>)?\(|\bserve\(\s*\w+(?:\(\))?,)'
                     r'\s*"([^"/][^"]*)"')
@@ -42,11 +43,11 @@ def sources(*patterns):
 
 def topics():
     return set(PUBLISHED.findall(sources("src/nodelets/*.[ch]*", "src/ros/*.[ch]*", "simulation/*.cpp",
-                                         "examples/*.cpp", "examples/*.py", "examples/send_goal")))
+                                         "examples/*.py")))
 
 
 def services():
-    return set(SERVED.findall(sources("src/nodelets/*.[ch]*", "src/ros/*.[ch]*", "examples/*.cpp")))
+    return set(SERVED.findall(sources("src/nodelets/*.[ch]*", "src/ros/*.[ch]*")))
 
 
 def entries(constant):

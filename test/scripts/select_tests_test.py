@@ -10,11 +10,11 @@ from program import load  # noqa: E402
 
 select_tests = load("select_tests")
 
-ROOMS = ("check", "examples", "map", "ros", "sight", "tools")
+ROOMS = ("check", "gate", "map", "ros", "sight", "tools")
 TARGETS = ["run_tests_tccm_monitor_" + name for name in (
-    "gtest", "gtest_monitor_test", "gtest_check_checker_test", "gtest_examples_guarded_motion_test",
+    "gtest", "gtest_monitor_test", "gtest_check_checker_test", "gtest_gate_gated_motion_test",
     "gtest_map_cuboid_map_test", "gtest_sight_look_map_test", "gtest_ros_conversions_test",
-    "pytest_examples_guarded_motion_test", "pytest_tools_evaluate_test", "pytest_tools_trials_test",
+    "pytest_gate_gated_motion_test", "pytest_tools_evaluate_test", "pytest_tools_trials_test",
     "rostest_faults__input_scan.test", "rostest_faults__input_tf.test",
     "rostest_test_ros_start.test", "rostest_test_ros_trials.test")]
 
@@ -50,9 +50,9 @@ class SelectTest(unittest.TestCase):
         self.expect(["rostest_test_ros_trials.test"], "trials")
 
     def test_a_name_of_several_is_refused_with_their_paths(self):
-        self.expect_none("guarded_motion_test", "several",
-                         "test/examples/guarded_motion_test.cpp, test/examples/guarded_motion_test.py")
-        self.expect(["pytest_examples_guarded_motion_test"], "guarded_motion_test.py")
+        self.expect_none("gated_motion_test", "several",
+                         "test/gate/gated_motion_test.cpp, test/gate/gated_motion_test.py")
+        self.expect(["pytest_gate_gated_motion_test"], "gated_motion_test.py")
 
     def test_a_name_of_none_is_refused_with_those_near(self):
         self.expect_none("map_test", "no such", "test/map/cuboid_map_test.cpp",

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "simulation/robot/dual_arm.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
 namespace {
@@ -164,6 +165,58 @@ TEST_F(CommandedArmsTest, StayWithinTheLimitsOfTheirJoints) {
   run(2.0);
   EXPECT_EQ(position(), 0.0);
   EXPECT_FALSE(arms_.moves());
+}
+
+ControlledArm::Config controllerOf(const std::vector<std::string>& joints) {
+  ControlledArm::Config config;
+  config.controller.rules.joints = joints;
+  config.controller.stop_duration_s = 0.2;
+  return config;
+}
+
+TrajectoryGoal goalTo(const std::string& joint, double position, double seconds) {
+  TrajectoryGoal goal;
+  goal.trajectory = {{joint}, {{seconds, {position}, {}, {}}}};
+  return goal;
+}
+
+TEST_F(CommandedArmsTest, ArmsWithControllersObeyTheseAndOthersTheCommand) {
+  CommandedArms::Config config;
+  config.controlled = {controllerOf({kElbow}), controllerOf({"left_elbow_joint"})};
+  arms_ = CommandedArms(config, model_, bent(), now_);
+  const std::size_t left = variableIndex(*model_, "left_elbow_joint");
+  const std::size_t roll = variableIndex(*model_, "left_wrist_roll_joint");
+  EXPECT_NE(command({point(1.0, 0.0)}), "") << "it has a controller";
+  EXPECT_TRUE(arms_.holds());
+  ASSERT_EQ(arms_.controlled()[0].controller().command(goalTo(kElbow, 0.0, 2.0)), "");
+  ASSERT_EQ(arms_.controlled()[1].controller().command(goalTo("left_elbow_joint", -0.5, 1.0)), "");
+  ASSERT_EQ(arms_.command({now_, {"left_wrist_roll_joint"}, {point(1.0, 1.0)}}), "");
+  EXPECT_FALSE(arms_.holds());
+  run(0.5);
+  EXPECT_NEAR(position(), -0.75, 1e-9);
+  EXPECT_NEAR(arms_.positions()[left], -0.25, 1e-9);
+  EXPECT_NEAR(arms_.positions()[roll], 0.5, 1e-9);
+  ASSERT_EQ(arms_.command({now_, {}, {}}), "");
+  ASSERT_EQ(arms_.controlled()[1].controller().command({}), "");
+  EXPECT_FALSE(arms_.holds());
+  run(0.3);
+  EXPECT_NEAR(position(), -0.6, 1e-9) << "it does not hear what the others are told";
+  EXPECT_NEAR(arms_.positions()[left], -0.25 - 0.625 * 0.5 * 0.2, 1e-9);
+  EXPECT_EQ(arms_.velocities()[roll], 0.0);
+  ASSERT_EQ(arms_.controlled()[0].controller().command({}), "");
+  EXPECT_TRUE(arms_.holds());
+  EXPECT_TRUE(arms_.moves());
+}
+
+TEST_F(CommandedArmsTest, AJointHasOneControllerAtMostAndIsOneOfAnArm) {
+  for (const auto& controlled : std::vector<std::vector<ControlledArm::Config>>{
+           {controllerOf({kElbow}), controllerOf({kElbow})},
+           {controllerOf({"laser_tilt_joint"})},
+           {controllerOf({"no_joint"})}}) {
+    CommandedArms::Config config;
+    config.controlled = controlled;
+    EXPECT_THROW(CommandedArms(config, model_, bent(), now_), ConfigError);
+  }
 }
 
 }  // namespace

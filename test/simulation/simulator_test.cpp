@@ -202,6 +202,26 @@ TEST(SimulatorTest, CommandedArmsMoveOnCommandAloneAndIgnoreStop) {
   EXPECT_LT(*simulator.truth().halted - *simulator.truth().stop_asserted, fromSeconds(0.2));
 }
 
+TEST(SimulatorTest, AnArmWithAControllerStopsWithinItsStopDuration) {
+  Simulator::Config config = commanded();
+  ControlledArm::Config arm;
+  arm.controller.rules.joints = {"right_elbow_joint"};
+  arm.controller.stop_duration_s = 0.3;
+  config.commanded.controlled = {arm};
+  Simulator simulator(config);
+  TrajectoryGoal goal;
+  goal.trajectory = {arm.controller.rules.joints, {{4.0, {-1.0}, {}, {}}}};
+  ASSERT_EQ(simulator.armController(0).accept(goal).fault, JudgedGoal::Fault::kNone);
+  scansOf(simulator, 0.5);
+  EXPECT_FALSE(simulator.truth().stop_asserted);
+  simulator.armController(0).cancel();
+  const Time told = simulator.now();
+  scansOf(simulator, 1.0);
+  EXPECT_EQ(simulator.truth().stop_asserted, told);
+  ASSERT_TRUE(simulator.truth().halted);
+  EXPECT_NEAR(toSeconds(*simulator.truth().halted - told), 0.3, 2e-3);
+}
+
 TEST(SimulatorTest, TheSameCommandsGiveTheSameScans) {
   Simulator first(commanded());
   Simulator second(commanded());

@@ -98,6 +98,27 @@ class OnMadeBags(EvaluateTest):
         self.assertEqual(rows[-1]["stop"], "0")
         self.assertMapCanBeRecomputed()
 
+    def test_a_hand_that_slides_into_a_region_to_keep_out_of_is_stopped_and_told_of(self):
+        config = CONFIG.replace("check_occlusion: false}", """check_occlusion: false,
+                    keep_out: [{name: hatch, center_x_m: 0.7, size_x_m: 0.1, size_y_m: 1.0,
+                                size_z_m: 4.0}]}""")
+        summary = self.evaluate(self.bag(), config=self.text("region.yaml", config),
+                                urdf=self.robot())
+        inside = 0
+        for row in self.rows("verdicts"):
+            if row["stamp"] and int(row["scan"]) > 5:
+                slide = Stream().slide(float(row["stamp"]) - START)
+                # The padded sphere of 60 mm reaches the region's face at 0.65 from 0.59 on; in the
+                # obstacle the collision is named.
+                if 0.595 < slide < 0.735 and row["reason"] != "COLLISION_AHEAD":
+                    self.assertIn((row["reason"], row["stop"], row["link"]),
+                                  (("KEEP_OUT", "1", "hand"), ("MOVING_OUT", "0", "hand")), row)
+                    inside += row["reason"] == "KEEP_OUT"
+                if slide < 0.59 - self.HALTING:
+                    self.assertNotIn(row["reason"], ("KEEP_OUT", "KEEP_OUT_AHEAD"), row)
+        self.assertGreater(inside, 10)
+        self.assertIn("KEEP_OUT", [stop["reason"] for stop in summary["stop_segments"]])
+
     def test_what_was_not_seen_of_links_and_their_ways_is_summed_up_and_dumped(self):
         config = CONFIG.replace("horizon_s: 0.0", "horizon_s: 0.5").replace(
             "check_occlusion: false", "check_occlusion: true, occlusion_stops: false")
