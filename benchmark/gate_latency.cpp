@@ -10,6 +10,7 @@
 #include <sensor_msgs/JointState.h>
 #include <tccm_monitor/CheckTrajectory.h>
 #include <tccm_monitor/MotionPermission.h>
+#include <tccm_monitor/ReportGoal.h>
 #include <trajectory_msgs/JointTrajectory.h>
 
 #include <algorithm>
@@ -52,6 +53,7 @@ class GateLatency {
     permission_ = node_.advertise<MotionPermission>("motion_permission", 1);
     states_ = node_.advertise<sensor_msgs::JointState>("joint_states", 10);
     check_ = node_.advertiseService("check_trajectory", &GateLatency::answer, this);
+    report_ = node_.advertiseService("report_goal", &GateLatency::takeReport, this);
     command_ = node_.subscribe("right_arm_controller/command", 10, &GateLatency::hear, this,
                                ros::TransportHints().tcpNoDelay());
   }
@@ -82,6 +84,12 @@ class GateLatency {
   bool answer(tccm_monitor::CheckTrajectory::Request& /*request*/,
               tccm_monitor::CheckTrajectory::Response& response) {
     response.result = tccm_monitor::CheckTrajectory::Response::FREE;
+    return true;
+  }
+
+  bool takeReport(tccm_monitor::ReportGoal::Request& /*request*/,
+                  tccm_monitor::ReportGoal::Response& response) {
+    response.success = 1;
     return true;
   }
 
@@ -158,7 +166,7 @@ class GateLatency {
   ros::NodeHandle node_;
   std::vector<std::string> joints_;
   ros::Publisher permission_, states_;
-  ros::ServiceServer check_;
+  ros::ServiceServer check_, report_;
   ros::Subscriber command_;
   std::uint32_t sequence_ = 0;
   bool is_permitted_ = true;

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -99,11 +100,7 @@ const Experiment& chosen(const std::vector<Experiment>& experiments) {
   return experiments.front();
 }
 
-}  // namespace
-}  // namespace tccm::simulation
-
-int main(int argc, char** argv) {
-  using namespace tccm::simulation;
+int runTrials(int argc, char** argv) {
   CLI::App app("Closed-loop experiments with a simulated robot that obeys the monitor.", "trials");
   TrialOptions options;
   declare(app, options);
@@ -114,5 +111,17 @@ int main(int argc, char** argv) {
       smallObjectExperiment(app), goalsExperiment(app)};
   std::vector<std::string> arguments;  // roslaunch adds some of its own
   ros::removeROSArgs(argc, argv, arguments);
-  return tccm::runProgram(app, arguments, [&] { return run(chosen(experiments), options); });
+  return runProgram(app, arguments, [&] { return run(chosen(experiments), options); });
+}
+
+}  // namespace
+}  // namespace tccm::simulation
+
+int main(int argc, char** argv) {
+  try {
+    return tccm::simulation::runTrials(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "trials: %s\n", error.what());
+    return 1;
+  }
 }

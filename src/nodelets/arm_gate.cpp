@@ -323,13 +323,13 @@ void ArmGate::tell(const JointTrajectory& way, Time start) {
 void ArmGate::tellNothing() { tell({rules_.joints(), {}}, now().stamp); }
 
 void ArmGate::hold(const Instant& now) {
+  driver_->hold(positions_, velocities_, now);  // before all that can wait
   motion_.forget();
-  reported_.reset();
   held_ = now.steady;
   rests_since_ = now.steady;
   holds_ = 0;
-  driver_->hold(positions_, velocities_, now);
   tellNothing();
+  reported_.reset();
 }
 
 void ArmGate::reject(std::int32_t code, const std::string& why) {

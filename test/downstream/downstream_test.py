@@ -58,7 +58,8 @@ class DownstreamTest(unittest.TestCase):
 
     def test_a_project_without_ros_on_the_core_alone(self):
         core, installed = BUILD / "core_alone", self.folder / "install"
-        run("cmake", "-S", REPOSITORY, "-B", core, "-DTCCM_MONITOR_ROS=OFF", "-DBUILD_TESTING=OFF")
+        run("cmake", "-S", REPOSITORY, "-B", core, "-DTCCM_MONITOR_ROS=OFF", "-DBUILD_TESTING=OFF",
+            "-DCMAKE_BUILD_TYPE=None")  # compiles in half the time
         run("make", "-C", core, f"-j{os.cpu_count()}")
         run("cmake", "--install", core, "--prefix", installed)
         self.assert_watches(self.build("cmake_project", installed) / "watch_a_ball")

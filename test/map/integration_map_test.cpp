@@ -2,34 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
 #include <limits>
-#include <new>
 #include <set>
 
+#include "support/counted_allocations.h"
 #include "support/part_union.h"
 #include "support/random.h"
 #include "support/small_map.h"
 #include "tccm_monitor/config_error.h"
-
-namespace {
-std::atomic<std::size_t> allocations{0};
-
-void* counted(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-}  // namespace
-
-// The linker takes these for the whole program: how often the map allocates can be counted.
-void* operator new(std::size_t size) { return counted(size); }
-void* operator new[](std::size_t size) { return counted(size); }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete[](void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t /*size*/) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t /*size*/) noexcept { std::free(memory); }
 
 namespace tccm {
 namespace {
@@ -294,14 +274,15 @@ TEST(MemoryTest, NothingIsAllocatedAfterTheStart) {
     }
   }
   map.snapshot(snapshot);
-  const std::size_t before = allocations;
+  test::is_counting = true;
   for (int i = 0; i < 300; ++i) {
     map.add(atScan(i), scans[static_cast<std::size_t>(i) % scans.size()]);
     while (map.scans() > 40) map.expireOldest();
     map.snapshot(snapshot);
   }
   map.clear();
-  EXPECT_EQ(allocations, before);
+  test::is_counting = false;
+  EXPECT_EQ(test::allocations, 0);
   EXPECT_GT(snapshot.cuboids.size(), 7000U);
 }
 

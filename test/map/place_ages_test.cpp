@@ -28,7 +28,7 @@ const Thing kBlock{Box{{0.05, 0.05, 0.06}}, {0.7, 0.0, kTableTop + 0.06}};
 /// Halfway between the sensor and where the block stands.
 const Thing kBoard{Box{{0.06, 0.06, 0.002}}, {0.35, 0.0, 0.88}};
 
-Mapper::Config config() {
+Mapper::Config mapperConfig() {
   Mapper::Config config;
   config.map.grid.origin_x_m = 0.5;
   config.map.grid.origin_y_m = -0.2;
@@ -45,7 +45,7 @@ class Table {
   /// Whether what a beam ends on is measured; all is where there is no such function.
   std::function<bool(const Vector3&)> isMeasured;
 
-  explicit Table(const Mapper::Config& config = ::tccm::config()) : mapper_(config) {}
+  explicit Table(const Mapper::Config& config = mapperConfig()) : mapper_(config) {}
 
   void watch(int windows) {
     for (int i = 0; i < windows * kPeriod; ++i) scan();
@@ -227,7 +227,7 @@ TEST(PlaceAgesTest, AMapThatIsClearedKnowsNothing) {
 }
 
 TEST(PlaceAgesTest, ThinReturnsAgeAsThickOnes) {
-  Mapper::Config thin = config();
+  Mapper::Config thin = mapperConfig();
   thin.map.thickness_m = 0.008;
   Table table(thin);
   table.things = {kBlock};

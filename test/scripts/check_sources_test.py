@@ -129,6 +129,14 @@ class TidyTest(RepositoryTest):
         self.commit("Go on", "src/a.h", "inline " + FAULTY)
         self.expect(1, "src/a.h:1", "tidy")
 
+    def test_what_is_compiled_as_a_part_of_a_joined_source_is_looked_at_itself(self):
+        self.compile("build/test/joined/tests_0.cpp")
+        self.commit("Begin", "test/a_test.cpp", "int f();\n")
+        self.commit("Go on", "test/a_test.cpp", FAULTY)
+        self.write("build/test/joined/tests_0.cpp",
+                   f'#line 1 "{self.folder / "test/a_test.cpp"}"\n{FAULTY}')
+        self.expect(1, "test/a_test.cpp:1", "tidy")
+
     def test_what_exceeds_the_limit_is_named(self):
         self.compile("a.cpp", "b.cpp")
         self.commit("Begin", "a.cpp", "int f();\n")
