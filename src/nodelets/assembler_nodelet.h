@@ -12,6 +12,7 @@
 
 #include "nodelets/diagnosed_nodelet.h"
 #include "nodelets/markers.h"
+#include "nodelets/scan_tracer.h"
 #include "ros/cloud_scan.h"
 #include "ros/conversions.h"
 #include "ros/scan_source.h"
@@ -49,6 +50,7 @@ class AssemblerNodelet : public DiagnosedNodelet {
     source_->onDrop([this](const ScanReport& report) { drop(report); });
     filtered_publisher_ = advertise<sensor_msgs::PointCloud2>(node(), "filtered_cloud", 2);
     report_publisher_ = advertise<tccm_monitor::ScanReport>(node(), "scan_report", 50);
+    trace_.begin(node());
     if (model_) {
       marker_publisher_ =
           advertise<visualization_msgs::MarkerArray>(node(), "self_filter_markers", 2);
@@ -106,6 +108,7 @@ class AssemblerNodelet : public DiagnosedNodelet {
   [[nodiscard]] const Config& config() const { return config_; }
   [[nodiscard]] Stage& stage() { return *stage_; }
   [[nodiscard]] Source& source() { return *source_; }
+  [[nodiscard]] ScanTracer& trace() { return trace_; }
   [[nodiscard]] const TransformHistory& transforms() const { return *transforms_; }
   [[nodiscard]] Time lastArrival() const { return toTime(last_scan_); }
   void add(ros::Subscriber input) { inputs_.push_back(std::move(input)); }
@@ -211,6 +214,7 @@ class AssemblerNodelet : public DiagnosedNodelet {
   std::unique_ptr<Stage> stage_;
   std::unique_ptr<TransformHistory> transforms_;
   std::unique_ptr<Source> source_;
+  ScanTracer trace_;
   MessagePool<tccm_monitor::ScanReport> reports_;
   tccm_monitor::ScanReport assembled_report_;  ///< reused
   std::size_t received_ = 0;

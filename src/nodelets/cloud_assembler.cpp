@@ -34,13 +34,18 @@ class CloudAssembler : public AssemblerNodelet<CloudAssemblerConfig, CloudStage,
 
   void publish(const CloudSource::Ready& ready) override {
     const Moment since;
+    trace().forget();
+    trace().note("scan and transforms are there");
     const std::string dropped =
         stage().assemble(*ready.scan, ready.T_fixed_sensor, ready.T_fixed_roots);
     if (!dropped.empty()) return source().countDrop(ready.scan->stamp, dropped, "");
+    trace().note("assembled");
     noteAssembled(ready, stage().counts(), since);
     const auto message = messages_.take();
     toMessage(stage().returns(), withoutSlash(config().fixed_frame), *message);
     cloud_publisher_.publish(tccm_monitor::CloudScan::ConstPtr(message));
+    trace().note("cloud_scan is published");
+    trace().publish(message->header.stamp);
     if (isFilteredCloudHeard()) publishFilteredCloud(stage().returns());
   }
 

@@ -69,6 +69,7 @@ void CollisionChecker::setUp() {
   image_publisher_ = advertise<sensor_msgs::Image>(node(), "occlusion_image", 2);
   checked_map_publisher_ = advertise<tccm_monitor::CuboidMap>(node(), "checked_map", 2);
   occupied_publisher_ = advertise<sensor_msgs::PointCloud2>(node(), "occupied_points", 2);
+  trace_.begin(node());
   const CheckInputs::Config& limits = config_.checker.inputs;
   joints_rate_ = watch("joint_states", limits.joint_timeout_s, limits.future_max_s);
   makeFeeds();
@@ -126,11 +127,16 @@ void CollisionChecker::makeFeeds() {
 }
 
 void CollisionChecker::receiveMap(const SensorFeed& feed) {
-  checker_->setMap(toTime(ros::Time::now()), feed.map(), feed.sensor());
+  trace_.forget();
+  trace_.note("the checker has it");
+  checker_->setMap(toTime(ros::Time::now()), feed.published()->map, feed.sensor());
   tellAttachments();
   check();
+  trace_.note("checked");
   publishPermission();
+  trace_.note("the permission is published");
   noteLatency(feed);
+  trace_.publish(toRos(feed.published()->map->stamp));
 }
 
 /// What all sensors' maps have taken into account.
@@ -139,10 +145,10 @@ void CollisionChecker::tellAttachments() {
   for (const SensorFeed& feed : feeds_) {
     // Nobody waits for one that has failed and need not be there.
     if (!checker_->inputs().outText(feed.sensor()).empty()) continue;
-    if (!feed.message()) return;
-    const tccm_monitor::CuboidMap& map = *feed.message();
-    took = std::min(took, map.attached_stamp);
-    since = std::min(since, toRos(toTime(map.header.stamp) - Duration(map.window.toNSec())));
+    if (!feed.published()) return;
+    const CuboidMap& map = *feed.published()->map;
+    took = std::min(took, feed.published()->attached_stamp);
+    since = std::min(since, toRos(map.stamp - map.window));
   }
   attachments_->mapCame(took, since);
 }
@@ -258,7 +264,7 @@ void CollisionChecker::checkNow(const ros::Time& now) {
 
 void CollisionChecker::noteLatency(const SensorFeed& feed) {
   const tccm_monitor::ScanReport& assembled = feed.assembled();
-  if (toTime(assembled.header.stamp) != feed.map()->stamp) return;
+  if (toTime(assembled.header.stamp) != feed.published()->map->stamp) return;
   latencies_.transform_wait_s = static_cast<double>(assembled.transform_wait_s);
   latencies_.ready_to_verdict_s =
       (ros::WallTime::now() - ros::WallTime(assembled.ready_wall.sec, assembled.ready_wall.nsec))
@@ -349,8 +355,8 @@ void CollisionChecker::publishCheckedMap() {
   if (!checker_->map() || checker_->map()->serial != verdict_->serial) return;
   tccm_monitor::CuboidMap map;
   toMessage(*checker_->map(), withoutSlash(config_.fixed_frame), map);
-  map.attached_stamp =
-      feeds_.front().message() ? feeds_.front().message()->attached_stamp : ros::Time();
+  const PublishedMap::ConstPtr& first = feeds_.front().published();
+  map.attached_stamp = first ? first->attached_stamp : ros::Time();
   for (const auto& [cuboid, col] : flaggedBy(*verdict_)) {
     std::uint8_t& known = map.cuboids[cuboid].col;
     if (known != tccm_monitor::Cuboid::COLLISION) known = col;  // of both, the graver

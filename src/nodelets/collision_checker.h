@@ -23,6 +23,7 @@
 
 #include "nodelets/attachments.h"
 #include "nodelets/diagnosed_nodelet.h"
+#include "nodelets/scan_tracer.h"
 #include "nodelets/sensor_feed.h"
 #include "nodelets/tuning.h"
 #include "ros/transform_history.h"
@@ -123,6 +124,7 @@ class CollisionChecker : public DiagnosedNodelet {
   std::unique_ptr<diagnostic_updater::TopicDiagnostic> joints_rate_;
   std::uint32_t seen_serial_ = 0;
   Latencies latencies_;
+  ScanTracer trace_;
   double check_us_ = 0.0;
   double check_us_max_ = 0.0;
   std::size_t checks_ = 0;

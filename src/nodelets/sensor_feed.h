@@ -1,7 +1,6 @@
 #pragma once
 
 #include <ros/ros.h>
-#include <tccm_monitor/CuboidMap.h>
 #include <tccm_monitor/ScanReport.h>
 
 #include <cstddef>
@@ -14,7 +13,7 @@
 #include "nodelets/diagnosed_nodelet.h"
 #include "ros/conversions.h"
 #include "ros/handles.h"
-#include "tccm_monitor/cuboid_map.h"
+#include "ros/published_map.h"
 
 namespace tccm {
 
@@ -46,8 +45,7 @@ class SensorFeed {
   /// Index into the configured sensors.
   [[nodiscard]] std::size_t sensor() const { return sensor_; }
   /// The newest; nothing before the first.
-  [[nodiscard]] const tccm_monitor::CuboidMap::ConstPtr& message() const { return message_; }
-  [[nodiscard]] const std::shared_ptr<CuboidMap>& map() const { return map_; }
+  [[nodiscard]] const PublishedMap::ConstPtr& published() const { return published_; }
   /// The newest report of a scan that was assembled.
   [[nodiscard]] const tccm_monitor::ScanReport& assembled() const { return assembled_; }
 
@@ -62,22 +60,18 @@ class SensorFeed {
  private:
   static constexpr std::size_t kDropReasonsMax = 20;  // the assembler has fewer; others may publish
 
-  void receiveMap(const tccm_monitor::CuboidMap::ConstPtr& message) {
-    // Of a sensor that has failed the checker keeps the last map that was good.
-    if (spare_map_.use_count() > 1) spare_map_ = std::make_shared<CuboidMap>();
-    defect_ = tccm::fromMessage(*message, *spare_map_);
-    if (defect_.empty() && withoutSlash(message->header.frame_id) != fixed_frame_) {
-      defect_ =
-          "its frame is '" + message->header.frame_id + "', fixed_frame is '" + fixed_frame_ + "'";
+  void receiveMap(const PublishedMap::ConstPtr& published) {
+    defect_ = published->defect;
+    if (defect_.empty() && withoutSlash(published->frame) != fixed_frame_) {
+      defect_ = "its frame is '" + published->frame + "', fixed_frame is '" + fixed_frame_ + "'";
     }
     if (!defect_.empty()) {
       ++maps_dropped_;
       ROS_ERROR_THROTTLE(5.0, "A %scuboid_map was dropped: %s.", prefix_.c_str(), defect_.c_str());
       return;
     }
-    map_.swap(spare_map_);
-    message_ = message;
-    map_rate_->tick(message->header.stamp);
+    published_ = published;
+    map_rate_->tick(toRos(published_->map->stamp));
     takers_.map(*this);
   }
 
@@ -100,10 +94,7 @@ class SensorFeed {
   std::string fixed_frame_;
   Takers takers_;
   Rate scan_rate_, map_rate_;
-  /// The newest, which the checker holds, and one to be filled.
-  std::shared_ptr<CuboidMap> map_ = std::make_shared<CuboidMap>();
-  std::shared_ptr<CuboidMap> spare_map_ = std::make_shared<CuboidMap>();
-  tccm_monitor::CuboidMap::ConstPtr message_;
+  PublishedMap::ConstPtr published_;
   tccm_monitor::ScanReport assembled_;
   std::size_t maps_dropped_ = 0;
   std::string defect_;

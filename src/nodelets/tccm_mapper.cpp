@@ -1,9 +1,9 @@
 #include <sensor_msgs/PointCloud2.h>
 #include <std_srvs/Trigger.h>
 #include <tccm_monitor/AttachedObjects.h>
-#include <tccm_monitor/CuboidMap.h>
 #include <tccm_monitor/GetCuboidMap.h>
 
+#include <atomic>
 #include <map>
 #include <memory>
 #include <pluginlib/class_list_macros.hpp>
@@ -14,8 +14,10 @@
 #include "map/place_ages.h"
 #include "nodelets/diagnosed_nodelet.h"
 #include "nodelets/markers.h"
+#include "nodelets/scan_tracer.h"
 #include "ros/cloud_scan.h"
 #include "ros/conversions.h"
+#include "ros/published_map.h"
 #include "ros/server_config.h"
 #include "tccm_monitor/config_error.h"
 
@@ -37,8 +39,8 @@ class TccmMapper : public DiagnosedNodelet {
     tellDifferences(privateNode(), config_);
     mapper_ = std::make_unique<Mapper>(config_.mapper);
     ages_ = std::make_unique<PlaceAges>(mapper_->map());
-    mapper_->reserve(snapshot_);
-    map_publisher_ = advertise<tccm_monitor::CuboidMap>(node(), "cuboid_map", 10);
+    trace_.begin(node());
+    map_publisher_ = advertise<PublishedMap>(node(), "cuboid_map", 10);
     marker_publisher_ = advertise<visualization_msgs::Marker>(node(), "cuboid_markers", 4);
     services_ = {serve(node(), "clear_map", &TccmMapper::clearMap, this),
                  serve(node(), "get_cuboid_map", &TccmMapper::getCuboidMap, this)};
@@ -49,12 +51,16 @@ class TccmMapper : public DiagnosedNodelet {
   }
 
   void receiveCloud(const sensor_msgs::PointCloud2::ConstPtr& message) {
+    trace_.forget();
+    trace_.note("the mapper has it");
     const std::string defect = fromMessage(*message, returns_);
     if (!defect.empty()) return drop("scan_cloud", defect);
     add("scan_cloud", message->header.frame_id);
   }
 
   void receiveCloudScan(const tccm_monitor::CloudScan::ConstPtr& message) {
+    trace_.forget();
+    trace_.note("the mapper has it");
     lacks_window_ = config_.mapper.window_s == 0.0 && config_.mapper.window_scans == 0;
     if (lacks_window_) return drop("cloud_scan", kLacksWindow);
     const std::string defect = fromMessage(*message, returns_);
@@ -67,6 +73,7 @@ class TccmMapper : public DiagnosedNodelet {
     if (!frame_.empty() && frame != frame_) {
       return drop(topic, "its frame is '" + frame + "', the map's is '" + frame_ + "'");
     }
+    trace_.note("unpacked");
     const Mapper::Outcome outcome = mapper_->add(returns_);
     if (!outcome.dropped.empty()) return drop(topic, outcome.dropped);
     frame_ = frame;
@@ -74,7 +81,10 @@ class TccmMapper : public DiagnosedNodelet {
     added_.mapped += outcome.added.mapped;
     added_.out_of_area += outcome.added.out_of_area;
     noteLeftOut(outcome.added);
+    trace_.note("mapped");
     publish();
+    trace_.note("cuboid_map is published");
+    trace_.publish(toRos(returns_.stamp));
     ages_->follow(mapper_->map(), mapper_->looks());
   }
 
@@ -125,20 +135,37 @@ class TccmMapper : public DiagnosedNodelet {
     if (newest_) publish();
   }
 
+  /// One that nobody holds any more.
+  std::shared_ptr<CuboidMap> takeMap() {
+    for (const auto& map : maps_) {
+      if (map.use_count() > 1) continue;
+      std::atomic_thread_fence(std::memory_order_acquire);  // who let go of it may have read it
+      return map;
+    }
+    maps_.push_back(std::make_shared<CuboidMap>());
+    mapper_->reserve(*maps_.back());
+    return maps_.back();
+  }
+
   void publish() {
-    mapper_->snapshot(snapshot_);
-    ages_->apply(mapper_->map(), snapshot_);
-    const auto message = messages_.take();
-    toMessage(snapshot_, frame_, *message);
-    message->attached_stamp = attached_stamp_;
-    newest_ = message;
+    const auto published = published_.take();
+    published->map.reset();
+    published->map = takeMap();
+    mapper_->snapshot(*published->map);
+    ages_->apply(mapper_->map(), *published->map);
+    trace_.note("snapshot is taken");
+    published->frame = frame_;
+    published->attached_stamp = attached_stamp_;
+    newest_ = published;
     map_publisher_.publish(newest_);
   }
 
   void publishMarkers() {
     if (!newest_ || marker_publisher_.getNumSubscribers() == 0) return;
+    tccm_monitor::CuboidMap map;
+    toMessage(*newest_, map);
     for (const CuboidLayer layer : {CuboidLayer::kLive, CuboidLayer::kHeld}) {
-      marker_publisher_.publish(toMarker(*newest_, layer, config_.static_windows));
+      marker_publisher_.publish(toMarker(map, layer, config_.static_windows));
     }
   }
 
@@ -153,29 +180,31 @@ class TccmMapper : public DiagnosedNodelet {
   bool getCuboidMap(tccm_monitor::GetCuboidMap::Request& /*request*/,
                     tccm_monitor::GetCuboidMap::Response& response) {
     response.success = newest_ != nullptr;
-    if (newest_) response.map = *newest_;
+    if (newest_) toMessage(*newest_, response.map);
     if (!newest_) response.message = "no scan was mapped yet";
     return true;
   }
 
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) override {
     using diagnostic_msgs::DiagnosticStatus;
+    static const CuboidMap none;
+    const CuboidMap& newest = newest_ ? *newest_->map : none;
     if (lacks_window_) {
       status.summary(DiagnosticStatus::ERROR, kLacksWindow);
     } else if (mapped_ == 0) {
       status.summary(DiagnosticStatus::ERROR, "no scan_cloud and no cloud_scan yet");
-    } else if (snapshot_.overflowed) {
+    } else if (newest.overflowed) {
       status.summary(DiagnosticStatus::ERROR,
                      left_out_.empty() ? "points are left out: raise held_max" : left_out_);
-    } else if (!snapshot_.complete && mapper_->map().scans() == config_.mapper.map.scans_max) {
+    } else if (!newest.complete && mapper_->map().scans() == config_.mapper.map.scans_max) {
       status.summary(DiagnosticStatus::ERROR, "window_scans_max is too small for the window");
-    } else if (snapshot_.tilt_stopped) {
+    } else if (newest.tilt_stopped) {
       status.summary(DiagnosticStatus::ERROR, "the tilt stands still, or does not go as far");
     } else if (mapper_->tiltTooFast()) {
       status.summary(DiagnosticStatus::ERROR,
                      "the tilt seems to turn more often than tilt_period_min_s: see whether one "
                      "sensor alone publishes on the scans' topic");
-    } else if (!snapshot_.complete) {
+    } else if (!newest.complete) {
       status.summary(DiagnosticStatus::WARN, "the map does not hold a whole window yet");
     } else {
       status.summary(DiagnosticStatus::OK, "the map holds the whole window");
@@ -185,10 +214,10 @@ class TccmMapper : public DiagnosedNodelet {
     status.add("points mapped", added_.mapped);
     status.add("points out of area", added_.out_of_area);
     status.add("points of attached objects forgotten", forgotten_);
-    status.add("cuboids", snapshot_.cuboids.size());
+    status.add("cuboids", newest.cuboids.size());
     status.add("window [scans]", mapper_->map().scans());
     const auto tilt = mapper_->tiltPeriod();
-    if (snapshot_.self_share) status.add("share taken for the robot", *snapshot_.self_share);
+    if (newest.self_share) status.add("share taken for the robot", *newest.self_share);
     status.add("tilt period [s]", tilt ? std::to_string(toSeconds(*tilt)) : "not measured yet");
     status.add("held intervals", mapper_->held());
     status.add("memory [bytes]", mapper_->memoryBytes() + ages_->memoryBytes());
@@ -198,10 +227,10 @@ class TccmMapper : public DiagnosedNodelet {
   std::unique_ptr<Mapper> mapper_;
   std::unique_ptr<PlaceAges> ages_;
   ScanReturns returns_;
-  CuboidMap snapshot_;
   std::string frame_;
-  MessagePool<tccm_monitor::CuboidMap> messages_;
-  tccm_monitor::CuboidMap::ConstPtr newest_;
+  std::vector<std::shared_ptr<CuboidMap>> maps_;  ///< used again once nobody holds them
+  MessagePool<PublishedMap> published_;
+  PublishedMap::ConstPtr newest_;
   std::map<std::string, ros::Time> attached_;  ///< forget_until of those taken into account
   ros::Time attached_stamp_;
   std::size_t mapped_ = 0;
@@ -210,6 +239,7 @@ class TccmMapper : public DiagnosedNodelet {
   std::string left_out_;  ///< lately, for people; empty where nothing was
   std::size_t forgotten_ = 0;
   IntegrationMap::Added added_;
+  ScanTracer trace_;
   ros::Publisher map_publisher_, marker_publisher_;
   std::vector<ros::ServiceServer> services_;
   std::vector<ros::Subscriber> inputs_;

@@ -27,13 +27,18 @@ class TiltScanAssembler : public AssemblerNodelet<AssemblerConfig, ScanStage, Sc
 
   void publish(const ScanSource::Ready& ready) override {
     const Moment since;
+    trace().forget();
+    trace().note("scan and transforms are there");
     const std::string dropped =
         stage().assemble(ready.scan, ready.T_fixed_sensor, ready.T_fixed_roots);
     if (!dropped.empty()) return source().countDrop(ready.scan.stamp, dropped, "");
+    trace().note("assembled");
     noteAssembled(ready, stage().scan().counts(), since);
     const auto cloud = clouds_.take();
     toMessage(stage().scan(), withoutSlash(config().fixed_frame), *cloud);
     cloud_publisher_.publish(sensor_msgs::PointCloud2::ConstPtr(cloud));
+    trace().note("scan_cloud is published");
+    trace().publish(cloud->header.stamp);
     if (!isFilteredCloudHeard()) return;
     takeReturns(stage().scan(), returns_);
     publishFilteredCloud(returns_);
