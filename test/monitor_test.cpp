@@ -197,7 +197,7 @@ TEST(TakeReturnsTest, OnlyWhatIsForTheMapIsTaken) {
   EXPECT_EQ(returns.viewpoint, Vector3(0.0, 0.0, 2.0));
 }
 
-TEST(MonitorConfigTest, AConfigurationThatMustNotBeRunWithIsRefused) {
+TEST(MonitorsConfigTest, AConfigurationThatMustNotBeRunWithIsRefused) {
   Monitor::Config config = configuration();
   config.sensors.front().mapper.map.thickness_m = 0.0;
   EXPECT_THROW(Monitor(config, nullptr), ConfigError);

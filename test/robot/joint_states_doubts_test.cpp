@@ -312,7 +312,7 @@ std::shared_ptr<const RobotModel> gearedModel(const std::string& multiplier) {
                           "<mimic joint=\"motor\" multiplier=\"" + multiplier + "\"/>")));
 }
 
-TEST(GearedMotorTest, IsTheSameAfterAWholeTurnOnlyWhereItsMimicsAre) {
+TEST(GearedJointDoubtsTest, IsTheSameAfterAWholeTurnOnlyWhereItsMimicsAre) {
   Random random(14);
   for (int i = 0; i < kMembers; ++i) {
     EXPECT_TRUE(gearedModel(std::to_string(random.integer(-5, 5)))->turnsFreely(0));
@@ -320,7 +320,7 @@ TEST(GearedMotorTest, IsTheSameAfterAWholeTurnOnlyWhereItsMimicsAre) {
   }
 }
 
-TEST(GearedMotorTest, AMimicOfAFreeMotorIsNotFollowedTheShortWay) {
+TEST(GearedJointDoubtsTest, AMimicOfAFreeMotorIsNotFollowedTheShortWay) {
   JointStates joints(*gearedModel("0.01"), {});
   for (int i = 0; i <= 20; ++i) joints.add(at(0.01 * i), {"motor"}, {0.5 * i}, {});
   EXPECT_NEAR(joints.latest()->velocities[0], 50.0, 1e-6);

@@ -24,7 +24,8 @@ PAGES = {"topic": ("interfaces.md",), "service": ("interfaces.md",),
 # Of tables whose rows begin with backticks and define none of these.
 OTHER_HEADS = ("option", "action", "key of a region", "key of a controller")
 
-PUBLISHED = re.compile(r'(?:\badvertise(?:Counting)?|\bsubscribe|\bhear|SubscribeOptions::create|Publisher|Subscriber)'
+PUBLISHED = re.compile(r'(?:\badvertise(?:Counting)?|\bsubscribe|\bhear|SubscribeOptions::create|'
+                       r'Publisher|Subscriber)'
                        r'(?:<[^<>()]*>)?\(\s*(?:\w+(?:\(\))?,\s*)?"([^"/][^"]*)"')
 SERVED = re.compile(r'(?:\badvertiseService(?:<[^<>()]*>)?\(|\bserve\(\s*\w+(?:\(\))?,)'
                     r'\s*"([^"/][^"]*)"')
