@@ -179,8 +179,8 @@ class GateLatency {
 }  // namespace tccm
 
 int main(int argc, char** argv) {
-  ros::init(argc, argv, "gate_latency");
   try {
+    ros::init(argc, argv, "gate_latency");
     int count = 300;
     bool is_relay = false, has_gate = true;
     ros::param::get("~count", count);
