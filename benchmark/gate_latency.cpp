@@ -192,6 +192,8 @@ int main(int argc, char** argv) {
     return 0;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "gate_latency: %s\n", error.what());
-    return 1;
+  } catch (...) {  // ROS's own are not all of that kind
+    std::fputs("gate_latency: failed\n", stderr);
   }
+  return 1;
 }
