@@ -70,6 +70,8 @@ class DirectionGrid {
   [[nodiscard]] int columnFrom(int column, const Eigen::Vector2d& direction) const;
   /// The pixel of a direction of any length above 0.
   [[nodiscard]] std::size_t pixelOf(const Vector3& direction) const;
+  /// The same, and sooner where it is that one.
+  [[nodiscard]] std::size_t pixelNear(std::size_t pixel, const Vector3& direction) const;
 
   /// Of the elevation in the middle of a row.
   [[nodiscard]] double cosine(int row) const { return cosines_[static_cast<std::size_t>(row)]; }
@@ -159,6 +161,21 @@ inline int DirectionGrid::columnFrom(int column, const Eigen::Vector2d& directio
   while (!isLeftOf(column)) column = column > 0 ? column - 1 : columns_ - 1;
   while (isLeftOf(next(column))) column = next(column);
   return column;
+}
+
+inline std::size_t DirectionGrid::pixelNear(std::size_t pixel, const Vector3& direction) const {
+  const int row = rowOfPixel(pixel), column = columnOfPixel(pixel, row);
+  const Eigen::Vector2d level = direction.head<2>();
+  const auto slopes = &row_borders_[static_cast<std::size_t>(row)];
+  const auto borders = &column_borders_[static_cast<std::size_t>(column)];
+  // Not where a border is at an end of the tables.
+  const bool is_inner = row + 1 < rows_ && column > 0 && column + 1 < columns_;
+  if (is_inner && directions::cross(borders[0], level) >= 0.0 &&
+      directions::cross(borders[1], level) < 0.0) {
+    const double length = level.norm();
+    if (direction.z() >= length * slopes[0] && direction.z() < length * slopes[1]) return pixel;
+  }
+  return pixelOf(direction);
 }
 
 inline std::size_t DirectionGrid::pixelOf(const Vector3& direction) const {

@@ -105,13 +105,37 @@ class LookImage {
   [[nodiscard]] Passes& edit(int row, int column) {
     if (row < row_begin_) row_begin_ = row;
     if (row >= row_end_) row_end_ = row + 1;
-    return passes_[grid_.index(row, column)];
+    const std::size_t pixel = grid_.index(row, column);
+    edits_[pixel / kBlock] = numbers_.next();
+    return passes_[pixel];
   }
-  /// Becomes like another. Allocates nothing where the resolution is the same.
+  /// Becomes like another. Copies what differs: little, where it was like the other lately.
+  /// Allocates nothing where the resolution is the same.
   void copyFrom(const LookImage& other);
-  [[nodiscard]] std::size_t memoryBytes() const { return passes_.capacity() * sizeof(Passes); }
+  [[nodiscard]] std::size_t memoryBytes() const {
+    return passes_.capacity() * sizeof(Passes) + edits_.capacity() * sizeof(std::uint64_t);
+  }
 
  private:
+  /// Numbers for edits, that no edit of any image has twice; none is 0.
+  class EditNumbers {
+   public:
+    EditNumbers() : next_(fresh()) {}
+    EditNumbers(const EditNumbers& /*other*/) : EditNumbers() {}  // a copy is edited by itself
+    EditNumbers& operator=(const EditNumbers& /*other*/) { return *this; }
+    ~EditNumbers() = default;
+    [[nodiscard]] std::uint64_t next() {
+      if ((++next_ & kLeft) == 0) next_ = fresh();
+      return next_;
+    }
+
+   private:
+    static constexpr std::uint64_t kLeft = 0xFFFFFFFFU;  ///< before the next fresh one
+    [[nodiscard]] static std::uint64_t fresh();
+    std::uint64_t next_;
+  };
+  static constexpr std::size_t kBlock = 16;  ///< pixels that are copied together
+
   /// How long after the look before the newest one came in the place's direction, where that is so
   /// short that no tilt can do it: the sensor looks everywhere at once, as a camera does.
   [[nodiscard]] std::optional<Duration> betweenFrames(const Vector3& p_fixed) const;
@@ -123,6 +147,10 @@ class LookImage {
 
   DirectionGrid grid_;
   std::vector<Passes> passes_;
+  /// By block: the number of its last edit; 0: nobody looked there. Blocks with one number are
+  /// alike, also those of two images.
+  std::vector<std::uint64_t> edits_;
+  EditNumbers numbers_;
   Time epoch_;
   Vector3 viewpoint_ = Vector3::Zero();
   int row_begin_;

@@ -1,11 +1,14 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <vector>
 
+#include "base/bytes_of.h"
+#include "base/index_set.h"
 #include "map/columns.h"
 #include "tccm_monitor/time.h"
 
@@ -26,96 +29,150 @@ class HeldLayer {
     Time seen;   ///< stamp of that scan
     Time since;  ///< when it left the window
   };
+  /// What releaseIf() is shown of each interval, kept apart from the rest, as all are looked at
+  /// with each scan: little memory to go through. The owner writes it. Where the interval is new,
+  /// or its heights have changed, nothing is known.
+  struct Glance {
+    static constexpr std::uint32_t kUnknown = 0xFFFFFFFFU;
+    Eigen::Vector3f place = Eigen::Vector3f::Zero();
+    float range = 0.0F;
+    std::uint32_t direction = kUnknown;
+    std::uint32_t since_ms = 0;
+  };
 
   /// Allocates all that it will ever use.
   HeldLayer(CellIndex cells, std::size_t intervals_max)
-      : in_cell_(cells, 0), intervals_max_(intervals_max) {
+      : first_(cells, kNone), changed_(cells), intervals_max_(intervals_max) {
     intervals_.reserve(intervals_max);
+    glances_.reserve(intervals_max);
+    links_.reserve(intervals_max);
   }
 
   /// @param interval meets none that is held already. @return false, with nothing changed, where
   /// there is no room.
-  [[nodiscard]] bool hold(const Interval& interval) {
-    std::uint16_t& in_cell = in_cell_[interval.cell];
-    if (intervals_.size() >= intervals_max_) return false;
-    if (in_cell == std::numeric_limits<std::uint16_t>::max()) return false;
-    ++in_cell;
-    intervals_.push_back(interval);
-    return true;
-  }
-  /// These heights of a cell were seen again: they are held no longer. What is empty then goes with
-  /// the next releaseIf() or sort().
+  [[nodiscard]] bool hold(const Interval& interval);
+  /// These heights of a cell were seen again: they are held no longer.
   /// @return false where the room ran out over it, and less is held than should be.
   [[nodiscard]] bool seen(CellIndex cell, Columns::Heights heights);
   /// Takes out of each interval the heights that heightsOf names for it; none: bottom >= top.
   /// @return as seen().
   template <typename HeightsOf>
   [[nodiscard]] bool cut(HeightsOf&& heightsOf);
-  /// Lets go of those that isOver says so of, and of those that are empty.
+  /// Lets go of those that isOver (const Interval&, Glance&) says so of.
   template <typename IsOver>
   void releaseIf(IsOver&& isOver);
   void clear() {
-    intervals_.clear();
-    std::fill(in_cell_.begin(), in_cell_.end(), std::uint16_t{0});
-    sorted_ = 0;
+    while (!intervals_.empty()) remove(intervals_.size() - 1);
   }
 
-  /// @param visit (Interval): is shown those of the cells from `first` to `last`.
+  /// @param visit (Interval): is shown those of the cells from `first` to `last`, by cell, then
+  /// from low to high.
   template <typename Visit>
-  void visit(CellIndex first, CellIndex last, Visit&& visit) const;
-  /// By cell, then from low to high, once sort() was called since the last change.
-  [[nodiscard]] const std::vector<Interval>& intervals() const { return intervals_; }
-  void sort() {
-    releaseIf([](const Interval&) { return false; });
-    std::sort(intervals_.begin(), intervals_.end(), [](const Interval& a, const Interval& b) {
-      return a.cell != b.cell ? a.cell < b.cell : a.heights.bottom < b.heights.bottom;
-    });
-    sorted_ = intervals_.size();
+  void visit(CellIndex first, CellIndex last, Visit&& visit) const {
+    for (CellIndex cell = first; cell <= last; ++cell) {
+      for (std::uint32_t i = first_[cell]; i != kNone; i = links_[i].next) visit(intervals_[i]);
+    }
   }
-  [[nodiscard]] std::size_t memoryBytes() const { return bytesOf(in_cell_, intervals_); }
+  /// In no order.
+  [[nodiscard]] const std::vector<Interval>& intervals() const { return intervals_; }
+  /// Adds the cells where what is held has changed since this was last called.
+  void takeChanged(IndexSet& cells) {
+    if (changed_.empty()) return;
+    cells.insert(changed_);
+    changed_.clear();
+  }
+  [[nodiscard]] std::size_t memoryBytes() const {
+    return bytesOf(first_, intervals_) + bytesOf(glances_, links_) + changed_.memoryBytes();
+  }
 
  private:
-  static bool isEmpty(const Interval& i) { return i.heights.bottom >= i.heights.top; }
-  /// The first in order whose cell is not below that one.
-  [[nodiscard]] std::size_t firstFrom(CellIndex cell) const {
-    const auto end = intervals_.begin() + static_cast<std::ptrdiff_t>(sorted_);
-    return static_cast<std::size_t>(
-        std::lower_bound(intervals_.begin(), end, cell,
-                         [](const Interval& i, CellIndex c) { return i.cell < c; }) -
-        intervals_.begin());
+  static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+  /// Of a cell's intervals, from low to high.
+  struct Link {
+    std::uint32_t previous = kNone;
+    std::uint32_t next = kNone;
+  };
+  [[nodiscard]] std::uint32_t& linkTo(std::uint32_t next_of, CellIndex cell) {
+    return next_of == kNone ? first_[cell] : links_[next_of].next;
   }
-  [[nodiscard]] bool cut(Interval& held, Columns::Heights heights);
+  [[nodiscard]] bool cut(std::size_t index, Columns::Heights heights);
+  void remove(std::size_t index);
 
-  std::vector<std::uint16_t> in_cell_;  ///< how many each cell has
-  std::vector<Interval> intervals_;
-  std::size_t sorted_ = 0;  ///< so many of them are in order, from the first
+  std::vector<std::uint32_t> first_;  ///< by cell: its lowest, or kNone
+  std::vector<Interval> intervals_;   ///< without gaps: the last one fills what is left
+  std::vector<Glance> glances_;       ///< of the same, here and below
+  std::vector<Link> links_;
+  IndexSet changed_;
   std::size_t intervals_max_;
 };
 
-/// Takes the heights out of one.
-inline bool HeldLayer::cut(Interval& held, Columns::Heights heights) {
-  if (heights.bottom >= heights.top || held.heights.top <= heights.bottom ||
-      held.heights.bottom >= heights.top) {
-    return true;
+inline bool HeldLayer::hold(const Interval& interval) {
+  if (intervals_.size() >= intervals_max_) return false;
+  Link link{kNone, first_[interval.cell]};
+  while (link.next != kNone && intervals_[link.next].heights.bottom < interval.heights.bottom) {
+    link = {link.next, links_[link.next].next};
   }
-  Interval above = held;
-  above.heights.bottom = heights.top;
-  held.heights.top = std::min(held.heights.top, heights.bottom);
-  if (isEmpty(above)) return true;
-  if (!isEmpty(held)) return hold(above);
-  held = above;
+  const auto index = static_cast<std::uint32_t>(intervals_.size());
+  linkTo(link.previous, interval.cell) = index;
+  if (link.next != kNone) links_[link.next].previous = index;
+  links_.push_back(link);
+  intervals_.push_back(interval);
+  glances_.emplace_back();
+  changed_.insert(interval.cell);
   return true;
 }
 
-inline bool HeldLayer::seen(CellIndex cell, Columns::Heights heights) {
-  if (in_cell_[cell] == 0) return true;
-  if (intervals_.size() == intervals_max_) releaseIf([](const Interval&) { return false; });
-  bool fits = true;
-  for (std::size_t i = firstFrom(cell); i < sorted_ && intervals_[i].cell == cell; ++i) {
-    fits = cut(intervals_[i], heights) && fits;
+inline void HeldLayer::remove(std::size_t index) {
+  const CellIndex cell = intervals_[index].cell;
+  const Link link = links_[index];
+  linkTo(link.previous, cell) = link.next;
+  if (link.next != kNone) links_[link.next].previous = link.previous;
+  changed_.insert(cell);
+  const std::size_t last = intervals_.size() - 1;
+  if (index != last) {
+    intervals_[index] = intervals_[last];
+    glances_[index] = glances_[last];
+    links_[index] = links_[last];
+    const auto moved = static_cast<std::uint32_t>(index);
+    linkTo(links_[index].previous, intervals_[index].cell) = moved;
+    if (links_[index].next != kNone) links_[links_[index].next].previous = moved;
   }
-  for (std::size_t i = sorted_; i < intervals_.size(); ++i) {
-    if (intervals_[i].cell == cell) fits = cut(intervals_[i], heights) && fits;
+  intervals_.pop_back();
+  glances_.pop_back();
+  links_.pop_back();
+}
+
+/// Takes the heights out of one.
+inline bool HeldLayer::cut(std::size_t index, Columns::Heights heights) {
+  Interval& held = intervals_[index];
+  const auto [bottom, top] = held.heights;
+  if (heights.bottom >= heights.top || top <= heights.bottom || bottom >= heights.top) return true;
+  if (heights.bottom <= bottom && heights.top >= top) {
+    remove(index);
+    return true;
+  }
+  changed_.insert(held.cell);
+  glances_[index] = Glance();
+  if (heights.bottom <= bottom) {
+    held.heights.bottom = heights.top;
+    return true;
+  }
+  held.heights.top = heights.bottom;
+  if (heights.top >= top) return true;
+  Interval above = held;
+  above.heights = {heights.top, top};
+  return hold(above);
+}
+
+inline bool HeldLayer::seen(CellIndex cell, Columns::Heights heights) {
+  bool fits = true;
+  for (std::uint32_t i = first_[cell]; i != kNone && intervals_[i].heights.bottom < heights.top;) {
+    const std::uint32_t next = links_[i].next;
+    const std::size_t before = intervals_.size();
+    fits = cut(i, heights) && fits;
+    // Where it has gone, the last one has taken its place.
+    const bool next_has_moved = intervals_.size() < before && next == intervals_.size();
+    if (!next_has_moved) i = next;
   }
   return fits;
 }
@@ -123,39 +180,22 @@ inline bool HeldLayer::seen(CellIndex cell, Columns::Heights heights) {
 template <typename HeightsOf>
 bool HeldLayer::cut(HeightsOf&& heightsOf) {
   bool fits = true;
-  // Those that are added at the end have been cut already.
-  const std::size_t count = intervals_.size();
-  for (std::size_t i = 0; i < count; ++i) {
+  // From the last one down: what is added, or takes the place of another, has been cut already.
+  for (std::size_t i = intervals_.size(); i-- > 0;) {
     const Columns::Heights heights = heightsOf(static_cast<const Interval&>(intervals_[i]));
-    fits = cut(intervals_[i], heights) && fits;
+    fits = cut(i, heights) && fits;
   }
-  releaseIf([](const Interval&) { return false; });
   return fits;
 }
 
 template <typename IsOver>
 void HeldLayer::releaseIf(IsOver&& isOver) {
-  std::size_t kept = 0, sorted = 0;
-  for (std::size_t i = 0; i < intervals_.size(); ++i) {
-    const Interval& interval = intervals_[i];
-    if (isEmpty(interval) || isOver(interval)) {
-      --in_cell_[interval.cell];
-      continue;
+  for (std::size_t i = 0; i < intervals_.size();) {
+    if (isOver(static_cast<const Interval&>(intervals_[i]), glances_[i])) {
+      remove(i);
+    } else {
+      ++i;
     }
-    if (i < sorted_) ++sorted;
-    intervals_[kept++] = interval;
-  }
-  intervals_.resize(kept);
-  sorted_ = sorted;
-}
-
-template <typename Visit>
-void HeldLayer::visit(CellIndex first, CellIndex last, Visit&& visit) const {
-  for (std::size_t i = firstFrom(first); i < sorted_ && intervals_[i].cell <= last; ++i) {
-    visit(intervals_[i]);
-  }
-  for (std::size_t i = sorted_; i < intervals_.size(); ++i) {
-    if (intervals_[i].cell >= first && intervals_[i].cell <= last) visit(intervals_[i]);
   }
 }
 

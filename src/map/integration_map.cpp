@@ -14,13 +14,6 @@ constexpr std::size_t kChunk = 1024;      // returns between two looks at what r
 constexpr double kPlaceRounding = 1e-6;   // [m]; returns are rounded to the micrometre
 constexpr double kHeightRounding = 1e-9;  // [m]
 
-/// Whole ones; 0 where `then` is not before.
-std::uint32_t millisecondsUntil(Time now, Time then) {
-  const auto since = std::chrono::duration_cast<std::chrono::milliseconds>(now - then).count();
-  return static_cast<std::uint32_t>(
-      std::clamp<std::int64_t>(since, 0, std::numeric_limits<std::uint32_t>::max()));
-}
-
 }  // namespace
 
 /// Puts together what a scan's returns occupy before it goes into the columns. Beams side by side
@@ -29,7 +22,9 @@ std::uint32_t millisecondsUntil(Time now, Time then) {
 class IntegrationMap::ScanBatch {
  public:
   /// @pre the columns have room for what needs() says. @param serial of the scan, the newest.
-  ScanBatch(Columns& columns, std::uint32_t serial) : columns_(columns), serial_(serial) {}
+  /// @param changed is told the cells.
+  ScanBatch(Columns& columns, std::uint32_t serial, IndexSet& changed)
+      : columns_(columns), serial_(serial), changed_(changed) {}
 
   void add(CellIndex cell, Columns::Heights heights) {
     if (widens(gathered_[recent_], cell, heights)) return;
@@ -71,11 +66,14 @@ class IntegrationMap::ScanBatch {
   }
   void insert(const Gathered& gathered) {
     const auto [bottom, top] = gathered.heights;
-    if (bottom < top) static_cast<void>(columns_.insert(gathered.cell, bottom, top, serial_));
+    if (bottom >= top) return;
+    static_cast<void>(columns_.insert(gathered.cell, bottom, top, serial_));
+    changed_.insert(gathered.cell);
   }
 
   Columns& columns_;
   std::uint32_t serial_;
+  IndexSet& changed_;
   std::array<Gathered, kGathered> gathered_ = {};
   std::size_t recent_ = 0;
   std::size_t next_ = 0;
@@ -85,8 +83,8 @@ class IntegrationMap::ScanBatch {
 class IntegrationMap::CloudBatch {
  public:
   /// @pre, @param as ScanBatch's.
-  CloudBatch(Columns& columns, std::uint32_t serial, CloudCells& cells)
-      : columns_(columns), serial_(serial), cells_(cells) {}
+  CloudBatch(Columns& columns, std::uint32_t serial, IndexSet& changed, CloudCells& cells)
+      : columns_(columns), serial_(serial), changed_(changed), cells_(cells) {}
 
   void add(CellIndex cell, Columns::Heights heights) {
     Columns::Heights& gathered = cells_.gathered[cell];
@@ -103,6 +101,7 @@ class IntegrationMap::CloudBatch {
   void finish() {
     for (const CellIndex cell : cells_.touched) {
       insert(cell, cells_.gathered[cell]);
+      changed_.insert(cell);
       cells_.gathered[cell] = {0, 0};
     }
     cells_.touched.clear();
@@ -118,6 +117,7 @@ class IntegrationMap::CloudBatch {
 
   Columns& columns_;
   std::uint32_t serial_;
+  IndexSet& changed_;
   CloudCells& cells_;
 };
 
@@ -133,7 +133,7 @@ void IntegrationMap::Config::describe(ParameterTable& table) {
   table.add("intervals_max", &intervals_max, "", {2.0, 1e8}, "occupied intervals in all cells");
 }
 
-IntegrationMap::IntegrationMap(const Config& config)
+IntegrationMap::IntegrationMap(const Config& config, std::size_t held_max)
     : config_(validated(config)),
       grid_(config.grid),
       thickness_(grid_.heightOf(config.thickness_m)),
@@ -143,6 +143,7 @@ IntegrationMap::IntegrationMap(const Config& config)
       // Layers as thick as a return: returns of two cuboids never share one.
       counts_(grid_, thickness_),
       ring_(config.scans_max, config.returns_max),
+      list_(grid_.cells(), config.intervals_max + held_max),
       losses_(grid_.cells()) {
   cloud_cells_.gathered.resize(grid_.cells(), {0, 0});
   cloud_cells_.touched.reserve(grid_.cells());
@@ -156,8 +157,9 @@ IntegrationMap::Added IntegrationMap::add(Time stamp, const std::vector<Vector3>
   const bool may_forget = forgotten_.begin(stamp);
   // A laser's scan has at most scan_beams_max.
   return returns.size() <= kScanMost
-             ? addAll(returns, may_forget, ScanBatch(columns_, serial_))
-             : addAll(returns, may_forget, CloudBatch(columns_, serial_, cloud_cells_));
+             ? addAll(returns, may_forget, ScanBatch(columns_, serial_, list_.changed()))
+             : addAll(returns, may_forget,
+                      CloudBatch(columns_, serial_, list_.changed(), cloud_cells_));
 }
 
 template <typename Batch>
@@ -267,6 +269,7 @@ std::size_t IntegrationMap::removeReturns(const std::vector<RegionPart>& parts) 
     const auto has = [&place](const RegionPart& part) { return part.contains(place); };
     if (std::none_of(parts.begin(), parts.end(), has)) return true;
     counts_.remove(entry.cell, entry.height);
+    list_.changed().insert(entry.cell);
     const Columns::Heights lost = occupiedBy(entry);
     loss.heights.bottom = std::min(loss.heights.bottom, lost.bottom);
     loss.heights.top = std::max(loss.heights.top, lost.top);
@@ -296,6 +299,7 @@ void IntegrationMap::clear() {
   counts_.clear();
   ring_.clear();
   forgotten_.clear();
+  list_.changed().insertAll();
   overflow_serial_ = 0;
   ++beginnings_;
 }
@@ -315,52 +319,43 @@ std::uint32_t IntegrationMap::pointsAround(CellIndex cell, Columns::Heights heig
   return points;
 }
 
-void IntegrationMap::appendLive(CellIndex cell, CuboidMap& map) const {
+void IntegrationMap::listLive(CellIndex cell, std::vector<CuboidList::Entry>& entries) const {
   std::uint32_t i = columns_.first(cell);
   while (i != Columns::kNone) {
-    Cuboid cuboid;
-    cuboid.cell = cell;
-    cuboid.bottom = cuboid.top = columns_.interval(i).bottom;
-    std::uint32_t scans_ago = serial_ - columns_.interval(i).serial;
+    const Height bottom = columns_.interval(i).bottom;
+    Height top = bottom;
+    std::uint32_t age_scans = 0, scans_ago = serial_ - columns_.interval(i).serial;
     // Touching intervals are one cuboid, or the list would depend on how it came about.
-    for (; i != Columns::kNone && columns_.interval(i).bottom == cuboid.top;
+    for (; i != Columns::kNone && columns_.interval(i).bottom == top;
          i = columns_.interval(i).next) {
-      cuboid.top = columns_.interval(i).top;
-      cuboid.age_scans = std::max(cuboid.age_scans, serial_ - columns_.interval(i).born);
+      top = columns_.interval(i).top;
+      age_scans = std::max(age_scans, serial_ - columns_.interval(i).born);
       scans_ago = std::min(scans_ago, serial_ - columns_.interval(i).serial);
     }
-    cuboid.unseen_ms = millisecondsUntil(newest_stamp_, ring_.stampOf(serial_ - scans_ago));
-    cuboid.points = pointsIn(cell, {cuboid.bottom, cuboid.top});
-    map.cuboids.push_back(cuboid);
+    entries.emplace_back(cell, false, Columns::Heights{bottom, top}, pointsIn(cell, {bottom, top}),
+                         serial_ - age_scans, ring_.stampOf(serial_ - scans_ago));
   }
 }
 
-void IntegrationMap::snapshot(CuboidMap& map, const std::vector<HeldLayer::Interval>& held) const {
+void IntegrationMap::snapshot(CuboidMap& map, HeldLayer* held) {
   map.grid = grid_;
   map.stamp = newest_stamp_;
   map.serial = serial_;
   map.window_scans = static_cast<std::uint32_t>(scans());
   map.overflowed = overflowed();
   map.thickness = thickness_;
-  map.cuboids.clear();
-  map.cell_begin.resize(grid_.cells() + 1);
-  auto next_held = held.begin();
-  for (CellIndex cell = 0; cell < grid_.cells(); ++cell) {
-    const auto begin = static_cast<std::ptrdiff_t>(map.cuboids.size());
-    map.cell_begin[cell] = static_cast<std::uint32_t>(begin);
-    appendLive(cell, map);
-    if (next_held == held.end() || next_held->cell != cell) continue;
-    for (; next_held != held.end() && next_held->cell == cell; ++next_held) {
-      Cuboid cuboid{cell, next_held->heights.bottom, next_held->heights.top, next_held->support};
-      cuboid.age_scans = serial_ - next_held->born;
-      cuboid.held = true;
-      cuboid.unseen_ms = millisecondsUntil(newest_stamp_, next_held->seen);
-      map.cuboids.push_back(cuboid);
-    }
-    std::sort(map.cuboids.begin() + begin, map.cuboids.end(),
-              [](const Cuboid& a, const Cuboid& b) { return a.bottom < b.bottom; });
-  }
-  map.cell_begin[grid_.cells()] = static_cast<std::uint32_t>(map.cuboids.size());
+  if (held != nullptr) held->takeChanged(list_.changed());
+  list_.update([&](CellIndex cell, std::vector<CuboidList::Entry>& entries) {
+    const auto begin = static_cast<std::ptrdiff_t>(entries.size());
+    listLive(cell, entries);
+    if (held == nullptr) return;
+    held->visit(cell, cell, [&](const HeldLayer::Interval& i) {
+      entries.emplace_back(cell, true, i.heights, i.support, i.born, i.seen);
+    });
+    std::sort(entries.begin() + begin, entries.end(),
+              [](const auto& a, const auto& b) { return a.bottom < b.bottom; });
+  });
+  list_.write(map, serial_, newest_stamp_);
 }
 
 void IntegrationMap::reserve(CuboidMap& map) const {

@@ -8,6 +8,7 @@
 
 #include "config/parameter_table.h"
 #include "map/columns.h"
+#include "map/cuboid_list.h"
 #include "map/held_layer.h"
 #include "map/region.h"
 #include "map/window_returns.h"
@@ -36,8 +37,9 @@ class IntegrationMap {
 
   using Added = AddedReturns;
 
-  /// Allocates everything it will ever use. @throws ConfigError
-  explicit IntegrationMap(const Config& config);
+  /// Allocates everything it will ever use. @param held_max intervals of what is held that
+  /// snapshots may have beside it. @throws ConfigError
+  explicit IntegrationMap(const Config& config, std::size_t held_max = 0);
 
   /// Adds a scan's part map; its serial is one more than the last scan's. Where scans_max are in
   /// the window already, the oldest leaves first.
@@ -52,7 +54,10 @@ class IntegrationMap {
   template <typename Visit>
   void expireOldest(Visit&& visit) {
     columns_.expire(ring_.oldestSerial(), visit);
-    ring_.visitOldest([this](const MappedReturn& e) { counts_.remove(e.cell, e.height); });
+    ring_.visitOldest([this](const MappedReturn& e) {
+      counts_.remove(e.cell, e.height);
+      list_.changed().insert(e.cell);
+    });
     ring_.dropOldest();
   }
   static constexpr double kSupportHeight = 0.03;  ///< [m] within which returns support each other
@@ -113,14 +118,16 @@ class IntegrationMap {
   }
   [[nodiscard]] std::size_t memoryBytes() const {
     return columns_.memoryBytes() + counts_.memoryBytes() + ring_.memoryBytes() +
-           forgotten_.memoryBytes() + bytesOf(losses_) +
+           forgotten_.memoryBytes() + list_.memoryBytes() + bytesOf(losses_) +
            bytesOf(cloud_cells_.gathered, cloud_cells_.touched);
   }
 
   /// Writes cuboids but their dyn, index, grid, stamp, serial, window and thickness; the rest is
-  /// the caller's. Allocates nothing once `map` has been through reserve().
-  /// @param held sorted, and apart from what is in this map: becomes cuboids of its own.
-  void snapshot(CuboidMap& map, const std::vector<HeldLayer::Interval>& held = {}) const;
+  /// the caller's. Allocates nothing once `map` has been through reserve(). Costs what has changed
+  /// since the last one, and a little for each cuboid.
+  /// @param held one and the same each time, apart from what is in this map: becomes cuboids of its
+  /// own.
+  void snapshot(CuboidMap& map, HeldLayer* held = nullptr);
   /// Gives a snapshot the capacity that any of this map's can need.
   void reserve(CuboidMap& map) const;
 
@@ -128,6 +135,7 @@ class IntegrationMap {
   void note(MappedReturn entry) {  // by value: read from memory as a whole, it would wait
     ring_.add(entry);
     counts_.add(entry.cell, entry.height);
+    list_.changed().insert(entry.cell);
   }
   /// What forget() does to a cell.
   struct Loss {
@@ -154,7 +162,7 @@ class IntegrationMap {
   void markCellsNear(const RegionPart& part);
   std::size_t removeReturns(const std::vector<RegionPart>& parts);
   void restoreColumns();
-  void appendLive(CellIndex cell, CuboidMap& map) const;
+  void listLive(CellIndex cell, std::vector<CuboidList::Entry>& entries) const;
 
   Config config_;
   Grid grid_;
@@ -165,6 +173,7 @@ class IntegrationMap {
   PartMapRing ring_;
   ForgottenRegions forgotten_;
   CloudCells cloud_cells_;
+  CuboidList list_;
   std::vector<Loss> losses_;  ///< by cell; none between calls of forget()
   std::uint32_t serial_ = 0;
   std::uint32_t overflow_serial_ = 0;  ///< of the last scan with points left out

@@ -8,6 +8,8 @@
 namespace tccm {
 namespace {
 
+constexpr double kRounding = 1e-3;  // [m] of single precision; plenty
+
 /// The middle of an interval.
 Vector3 placeOf(const Grid& grid, CellIndex cell, Columns::Heights heights) {
   const Eigen::Vector2d centre = grid.centre(cell);
@@ -53,11 +55,12 @@ void Hold::Config::describe(ParameterTable& table) {
             "intervals that are held at most; where more should be: MAP_OVERFLOW");
 }
 
-Hold::Hold(const Config& config, const IntegrationMap& map)
+Hold::Hold(const Config& config, const IntegrationMap& map, const LookMap& looks)
     : config_(validated(config)),
       newest_looks_(config.look_angle_rad, config.outline_rad),
       held_(map.grid().cells(), active() ? config.intervals_max : 0),
-      viewpoints_(map.config().scans_max + 1, Vector3::Zero()) {}
+      viewpoints_(map.config().scans_max + 1, Vector3::Zero()),
+      asked_(looks.image().grid().pixels()) {}
 
 void Hold::clear() {
   newest_looks_.clear();
@@ -65,7 +68,7 @@ void Hold::clear() {
   lost_serial_.reset();
 }
 
-void Hold::follow(const ScanReturns& scan, const IntegrationMap& map, const LookImage& looks) {
+void Hold::follow(const ScanReturns& scan, const IntegrationMap& map, const LookMap& looks) {
   if (!active()) return;
   viewpointOf(map.serial()) = scan.viewpoint;
   newest_looks_.add(map.serial(), scan.looks, static_cast<std::uint32_t>(map.scans()));
@@ -76,12 +79,63 @@ void Hold::follow(const ScanReturns& scan, const IntegrationMap& map, const Look
     const auto heights = map.occupiedBy(*place);
     if (!held_.seen(place->cell, heights)) lost_serial_ = map.serial();
   }
+  askWhereChanged(looks);
+  releaseSeen(scan, map, looks.image());
+}
+
+/// Whether a place is in view depends on its own direction and those beside, above and below.
+void Hold::askWhereChanged(const LookMap& looks) {
+  const DirectionGrid& grid = looks.image().grid();
+  asked_.clear();
+  looks.changed().visit([&](std::size_t pixel) {
+    const int row = grid.rowOfPixel(pixel), column = grid.columnOfPixel(pixel, row);
+    asked_.insert(pixel);
+    asked_.insert(grid.index(row, grid.wrapped(column - 1)));
+    asked_.insert(grid.index(row, grid.wrapped(column + 1)));
+    if (row > 0) asked_.insert(grid.index(row - 1, column));
+    if (row + 1 < grid.rows()) asked_.insert(grid.index(row + 1, column));
+  });
+}
+
+/// Lets go of what is held for long enough, and of what looks tell of. Of most that is held none
+/// has come to tell: where no look of the scan came near and the image is as it was, the answer is
+/// what it was, no.
+void Hold::releaseSeen(const ScanReturns& scan, const IntegrationMap& map, const LookImage& looks) {
   const Duration longest = fromSeconds(config_.longest_s);
-  held_.releaseIf([&](const HeldLayer::Interval& held) {
+  const auto milliseconds = [](auto duration) {  // from 0 on again after 49 days
+    return static_cast<std::uint32_t>(duration / std::chrono::milliseconds(1));
+  };
+  const std::uint32_t now_ms = milliseconds(scan.stamp.time_since_epoch());
+  const std::uint32_t longest_ms = milliseconds(longest);
+  const bool is_elsewhere = asked_from_ != looks.viewpoint();
+  asked_from_ = looks.viewpoint();
+  held_.releaseIf([&](const HeldLayer::Interval& held, HeldLayer::Glance& glance) {
+    const bool is_known = !is_elsewhere && glance.direction != HeldLayer::Glance::kUnknown;
+    if (is_known && now_ms - glance.since_ms < longest_ms &&
+        !newest_looks_.maySeeLast(glance.place) &&
+        !(asked_.has(glance.direction) && mayBeInView(held, glance, looks))) {
+      return false;
+    }
     const Vector3 place = placeOf(map.grid(), held.cell, held.heights);
+    if (!is_known) {
+      const Vector3 sight = place - looks.viewpoint();
+      glance = {place.cast<float>(), static_cast<float>(sight.norm()),
+                static_cast<std::uint32_t>(looks.grid().pixelOf(sight)),
+                milliseconds(held.since.time_since_epoch())};
+    }
     return scan.stamp - held.since > longest ||
            newest_looks_.sawLast(place, scan.viewpoint, config_.look_short_m) ||
            looks.inViewSince(held.seen, place, -config_.look_short_m);
+  });
+}
+
+/// Whether a pass in its own direction reached it: less than what is asked of the image then.
+bool Hold::mayBeInView(const HeldLayer::Interval& held, const HeldLayer::Glance& glance,
+                       const LookImage& looks) const {
+  const double least = static_cast<double>(glance.range) + config_.look_short_m - kRounding;
+  const LookImage::Passes& passes = looks.passes(glance.direction);
+  return std::any_of(passes.begin(), passes.end(), [&](const LookImage::Pass& pass) {
+    return pass.range() >= least && looks.timeOf(pass.first) > held.seen;
   });
 }
 
@@ -157,9 +211,9 @@ void Mapper::Config::validate() const {
 
 Mapper::Mapper(const Config& config)
     : config_(validated(config)),
-      map_(config.map),
+      map_(config.map, config.hold.intervals_max),
       looks_(config.looks),
-      hold_(config.hold, map_),
+      hold_(config.hold, map_, looks_),
       self_share_(config.map.scans_max),
       appearances_(config.appearances, map_, config.looks.resolution_rad),
       tilt_(config.tilt) {}
@@ -180,9 +234,8 @@ Mapper::Outcome Mapper::add(const ScanReturns& scan) {
   if (scan.is_whole) appearances_.follow(map_, looks_.image());
   looks_.add(scan.stamp, scan.looks, scan.is_whole);
   countSelf(scan);
-  hold_.follow(scan, map_, looks_.image());
+  hold_.follow(scan, map_, looks_);
   expire();
-  hold_.sort();
   return {{}, added};
 }
 
@@ -250,7 +303,6 @@ void Mapper::expire() {
 std::size_t Mapper::forget(const Region& region, Time until) {
   const std::size_t returns = map_.forget(region, until);
   hold_.forget(region, map_);
-  hold_.sort();
   return returns;
 }
 
@@ -272,8 +324,8 @@ bool Mapper::complete() const {
   return map_.scans() < config_.map.scans_max;
 }
 
-void Mapper::snapshot(CuboidMap& map) const {
-  map_.snapshot(map, hold_.held());
+void Mapper::snapshot(CuboidMap& map) {
+  map_.snapshot(map, &hold_.held());
   appearances_.apply(map_, map);
   map.complete = complete();
   map.overflowed = map.overflowed || hold_.overflowed(map_);

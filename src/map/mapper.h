@@ -34,42 +34,48 @@ class Hold {
   };
 
   /// Allocates all that it will ever use. @throws ConfigError
-  Hold(const Config& config, const IntegrationMap& map);
+  Hold(const Config& config, const IntegrationMap& map, const LookMap& looks);
 
   [[nodiscard]] bool active() const { return config_.longest_s > 0.0; }
   /// Follows the map's newest scan: lets go of what it saw the place of, be it there or not.
   /// @param looks up to that scan.
-  void follow(const ScanReturns& scan, const IntegrationMap& map, const LookImage& looks);
+  void follow(const ScanReturns& scan, const IntegrationMap& map, const LookMap& looks);
   /// The map's oldest scan leaves, and with it what no other has seen; where nobody looked at the
   /// place of that since, it is held. @param now stamp of the newest scan.
   void expireOldest(IntegrationMap& map, const LookImage& looks, Time now);
-  void sort() { held_.sort(); }
   /// Lets go of the heights that may lie in the region, as IntegrationMap::forget() judges them; of
-  /// what is held only those are known, not its returns. To be sorted anew.
+  /// what is held only those are known, not its returns.
   void forget(const Region& region, const IntegrationMap& map);
   void clear();
 
-  /// Sorted, where nothing has changed since sort().
-  [[nodiscard]] const std::vector<HeldLayer::Interval>& held() const { return held_.intervals(); }
+  [[nodiscard]] const HeldLayer& held() const { return held_; }
+  [[nodiscard]] HeldLayer& held() { return held_; }
   /// Something that is still in the window's time could not be held for want of room.
   [[nodiscard]] bool overflowed(const IntegrationMap& map) const {
     return lost_serial_ && map.serial() - *lost_serial_ < map.scans();
   }
   [[nodiscard]] std::size_t memoryBytes() const {
-    return newest_looks_.memoryBytes() + held_.memoryBytes() + bytesOf(viewpoints_);
+    return newest_looks_.memoryBytes() + held_.memoryBytes() + bytesOf(viewpoints_) +
+           asked_.memoryBytes();
   }
 
  private:
   [[nodiscard]] Vector3& viewpointOf(std::uint32_t serial) {
     return viewpoints_[serial % viewpoints_.size()];
   }
+  void askWhereChanged(const LookMap& looks);
+  void releaseSeen(const ScanReturns& scan, const IntegrationMap& map, const LookImage& looks);
+  [[nodiscard]] bool mayBeInView(const HeldLayer::Interval& held, const HeldLayer::Glance& glance,
+                                 const LookImage& looks) const;
   [[nodiscard]] std::uint32_t heldAround(const Grid& grid, CellIndex cell,
                                          Columns::Heights heights) const;
 
   Config config_;
   NewestLooks newest_looks_;
   HeldLayer held_;
-  std::vector<Vector3> viewpoints_;           ///< of the window's scans, by serial
+  std::vector<Vector3> viewpoints_;  ///< of the window's scans, by serial
+  IndexSet asked_;  ///< directions in which the looks may have come to tell of a place
+  Vector3 asked_from_ = Vector3::Zero();      ///< the viewpoint of these directions
   std::optional<std::uint32_t> lost_serial_;  ///< of the last scan when something could not be held
 };
 
@@ -118,13 +124,13 @@ class Mapper {
   void clear();
 
   /// All of CuboidMap. Allocates nothing once `map` has been through reserve().
-  void snapshot(CuboidMap& map) const;
+  void snapshot(CuboidMap& map);
   void reserve(CuboidMap& map) const;
 
   [[nodiscard]] const IntegrationMap& map() const { return map_; }
   [[nodiscard]] const LookImage& looks() const { return looks_.image(); }
   /// What is held beside the map, in intervals.
-  [[nodiscard]] std::size_t held() const { return hold_.held().size(); }
+  [[nodiscard]] std::size_t held() const { return hold_.held().intervals().size(); }
   /// The length of the window; nothing while the tilt period is not measured.
   [[nodiscard]] std::optional<Duration> window() const;
   [[nodiscard]] std::optional<Duration> tiltPeriod() const { return tilt_.period(); }

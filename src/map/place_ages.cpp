@@ -1,12 +1,14 @@
 #include "map/place_ages.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace tccm {
 namespace {
 
 constexpr std::size_t kWord = 64;
+constexpr std::size_t kAround = 9;       // cells, a cell itself included
 constexpr double kLayer = 0.02;          // [m] at least: most of a range's noise stays in it
 constexpr double kAbove = 0.2;           // [m] up to which what stands on a place is around it
 constexpr int kGapLayers = 2;            // without a return: what is above does not stand on it
@@ -30,7 +32,8 @@ PlaceAges::PlaceAges(const IntegrationMap& map)
       words_((layers_ + kWord - 1) / kWord),
       stamps_(map.config().scans_max + 1) {
   kept_.resize(grid_.cells() * words_, 0);
-  around_.reserve(9);
+  around_.reserve(kAround);
+  known_around_.reserve(kAround * (above_ + 2));
 }
 
 void PlaceAges::clear() {
@@ -74,9 +77,8 @@ void PlaceAges::judge(CellIndex cell, const IntegrationMap& map, const LookImage
     std::uint64_t& kept = kept_[cell * words_ + word];
     if (kept == 0) continue;
     if (around_.empty()) grid_.visitAround(cell, [this](CellIndex c) { around_.push_back(c); });
-    std::uint64_t left = kept;
-    for (std::size_t bit = 0; left != 0; ++bit, left >>= 1U) {
-      if ((left & 1U) == 0) continue;
+    for (std::uint64_t left = kept; left != 0; left &= left - 1) {
+      const auto bit = static_cast<std::size_t>(__builtin_ctzll(left));
       if (!isKept({cell, word * kWord + bit}, map, looks)) kept &= ~(std::uint64_t{1} << bit);
     }
   }
@@ -126,36 +128,54 @@ Time PlaceAges::seenAround(std::size_t layer, const IntegrationMap& map) const {
 }
 
 /// What most returns around the place have. It is mostly one more than when last judged.
-PlaceAges::Age PlaceAges::ageAround(const Place& place, const IntegrationMap& map) const {
+PlaceAges::Age PlaceAges::ageAround(const Place& place, const IntegrationMap& map) {
+  gatherAround(place, map);
   int age = std::min(age_[index(place)] + 1, int{kOldest});
-  Around around = countAround(place, age, map);
-  while (around.older >= kMost * around.returns && age < kOldest) {
-    around = countAround(place, ++age, map);
-  }
-  while (around.old < kMost * around.returns) around = countAround(place, --age, map);
+  Around around = countAround(age);
+  while (around.older >= kMost * around.returns && age < kOldest) around = countAround(++age);
+  while (around.old < kMost * around.returns) around = countAround(--age);
   return static_cast<Age>(age);
 }
 
-/// In around_, from the layer below up to where two layers have none.
-PlaceAges::Around PlaceAges::countAround(const Place& place, int age,
-                                         const IntegrationMap& map) const {
+/// In around_, from the layer below up to where two layers have no return.
+void PlaceAges::gatherAround(const Place& place, const IntegrationMap& map) {
+  known_around_.clear();
   const std::size_t from = place.layer - std::min<std::size_t>(place.layer, 1);
   const std::size_t to = std::min(place.layer + above_ + 1, layers_);
-  Around around;
+  std::array<std::uint64_t, kAround> kept;  // most places have no return
+  std::uint64_t any = 0;
+  for (std::size_t i = 0; i < around_.size(); ++i) any |= kept[i] = keptFrom({around_[i], from});
   int empty = 0;
   for (std::size_t layer = from; layer < to && empty < kGapLayers; ++layer) {
-    std::uint32_t in_layer = 0;
-    for (const CellIndex cell : around_) {
-      const std::uint32_t returns = returnsAt(map, {cell, layer});
-      const Age known = known_[index({cell, layer})];
-      in_layer += returns;
-      around.old += known >= age ? returns : 0;
-      around.older += known > age ? returns : 0;
+    ++empty;
+    if ((any >> (layer - from) & 1U) == 0) continue;
+    for (std::size_t i = 0; i < around_.size(); ++i) {
+      if ((kept[i] >> (layer - from) & 1U) == 0) continue;
+      const std::uint32_t returns = returnsAt(map, {around_[i], layer});
+      if (returns == 0) continue;
+      known_around_.push_back({known_[index({around_[i], layer})], returns});
+      empty = 0;
     }
-    around.returns += in_layer;
-    empty = in_layer == 0 ? empty + 1 : 0;
+  }
+}
+
+PlaceAges::Around PlaceAges::countAround(int age) const {
+  Around around;
+  for (const Known& known : known_around_) {
+    around.returns += known.returns;
+    around.old += known.age >= age ? known.returns : 0;
+    around.older += known.age > age ? known.returns : 0;
   }
   return around;
+}
+
+/// What is kept of a cell's layers from one on, its bit the lowest.
+std::uint64_t PlaceAges::keptFrom(const Place& place) const {
+  const std::uint64_t* words = &kept_[place.cell * words_];
+  const std::size_t word = place.layer / kWord, bit = place.layer % kWord;
+  std::uint64_t kept = words[word] >> bit;
+  if (bit > 0 && word + 1 < words_) kept |= words[word + 1] << (kWord - bit);
+  return kept;
 }
 
 /// Of the place in which most of its returns lie.

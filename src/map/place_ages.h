@@ -54,17 +54,26 @@ class PlaceAges {
     std::uint32_t returns = 0, old = 0, older = 0;
   };
 
+  /// What a place has.
+  struct Known {
+    Age age;
+    std::uint32_t returns;
+  };
+
   [[nodiscard]] std::size_t layerOf(Height height, const IntegrationMap& map) const;
+  /// Layer by layer, as ReturnCounts.
   [[nodiscard]] std::size_t index(const Place& place) const {
-    return place.cell * layers_ + place.layer;
+    return place.layer * grid_.cells() + place.cell;
   }
   [[nodiscard]] Vector3 middleOf(const Place& place) const;
   [[nodiscard]] std::uint32_t returnsAt(const IntegrationMap& map, const Place& place) const;
   void judge(CellIndex cell, const IntegrationMap& map, const LookImage& looks);
   [[nodiscard]] bool isKept(const Place& place, const IntegrationMap& map, const LookImage& looks);
   [[nodiscard]] Time seenAround(std::size_t layer, const IntegrationMap& map) const;
-  [[nodiscard]] Age ageAround(const Place& place, const IntegrationMap& map) const;
-  [[nodiscard]] Around countAround(const Place& place, int age, const IntegrationMap& map) const;
+  [[nodiscard]] Age ageAround(const Place& place, const IntegrationMap& map);
+  void gatherAround(const Place& place, const IntegrationMap& map);
+  [[nodiscard]] Around countAround(int age) const;
+  [[nodiscard]] std::uint64_t keptFrom(const Place& place) const;
   [[nodiscard]] std::uint32_t windowsOf(const Cuboid& cuboid, const IntegrationMap& map) const;
 
   Grid grid_;
@@ -76,10 +85,12 @@ class PlaceAges {
   std::vector<std::uint32_t> seen_;  ///< by place: serial of the newest scan with a return in it
   std::vector<Age> known_;           ///< by place: for how long; 0: it is not known
   std::vector<Age> age_;             ///< by place: of what is around it
-  std::vector<std::uint64_t> kept_;  ///< by cell, 64 layers each: seen lately, or known
+  /// By cell, 64 layers each: seen lately, or known; so is each place with a return in the window.
+  std::vector<std::uint64_t> kept_;
   std::size_t words_;                ///< of kept_ for a cell
   std::vector<Time> stamps_;         ///< of the newest scans, by serial
   std::vector<CellIndex> around_;    ///< the cell that is judged, and those beside it
+  std::vector<Known> known_around_;  ///< the place that is judged, where returns are
   CellIndex next_ = 0;               ///< is judged next
   std::uint32_t beginnings_ = 0;     ///< of the map that is known
   double due_ = 0.0;                 ///< so many cells have to be judged

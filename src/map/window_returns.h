@@ -152,7 +152,8 @@ class ReturnCounts {
     layer_of_.reserve(static_cast<std::size_t>(heights));
     for (int i = 0; i < heights; ++i) layer_of_.push_back(static_cast<std::uint16_t>(i / layer));
     layers_ = layer_of_.back() + std::size_t{1};
-    counts_.resize(grid.cells() * layers_, 0);
+    cells_ = grid.cells();
+    counts_.resize(cells_ * layers_, 0);
   }
 
   void add(CellIndex cell, Height height) { ++counts_[index(cell, height)]; }
@@ -163,12 +164,12 @@ class ReturnCounts {
   [[nodiscard]] std::uint32_t sum(CellIndex cell, Height low, Height high) const {
     std::uint32_t total = 0;
     const std::size_t last = index(cell, high);
-    for (std::size_t i = index(cell, low); i <= last; ++i) total += counts_[i];
+    for (std::size_t i = index(cell, low); i <= last; i += cells_) total += counts_[i];
     return total;
   }
   /// Those in one layer; layers count from the lowest up.
   [[nodiscard]] std::uint32_t at(CellIndex cell, std::size_t layer) const {
-    return counts_[cell * layers_ + layer];
+    return counts_[layer * cells_ + cell];
   }
   /// @param height inside the grid's limits.
   [[nodiscard]] std::size_t layerOf(Height height) const {
@@ -183,13 +184,16 @@ class ReturnCounts {
 
  private:
   [[nodiscard]] std::size_t index(CellIndex cell, Height height) const {
-    return cell * layers_ + layerOf(height);
+    return layerOf(height) * cells_ + cell;
   }
 
   Height lowest_;
   Height layer_;
   std::size_t layers_;
+  std::size_t cells_;
   std::vector<std::uint16_t> layer_of_;  ///< by quanta above the lowest: saves a division a return
+  /// Layer by layer: most returns lie on a few level surfaces, and cells that are asked together
+  /// lie side by side.
   std::vector<std::uint32_t> counts_;
 };
 

@@ -1,6 +1,7 @@
 #include "tccm_monitor/look_image.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "sight/look.h"
@@ -31,7 +32,15 @@ double validated(double resolution_rad) {
 }  // namespace
 
 LookImage::LookImage(double resolution_rad)
-    : grid_(validated(resolution_rad)), passes_(grid_.pixels()), row_begin_(grid_.rows()) {}
+    : grid_(validated(resolution_rad)),
+      passes_(grid_.pixels()),
+      edits_((grid_.pixels() + kBlock - 1) / kBlock, 0),
+      row_begin_(grid_.rows()) {}
+
+std::uint64_t LookImage::EditNumbers::fresh() {
+  static std::atomic<std::uint32_t> ranges{0};
+  return (std::uint64_t{++ranges} << 32U) + 1;
+}
 
 LookImage::Sight LookImage::at(const Vector3& p_fixed, double margin_m) const {
   const Vector3 sight = p_fixed - viewpoint_;
@@ -164,7 +173,12 @@ std::optional<Time> LookImage::nextLook(const Vector3& p_fixed, double margin_m,
 }
 
 void LookImage::clear() {
-  std::fill(passes_.begin(), passes_.end(), Passes());
+  for (std::size_t block = 0; block < edits_.size(); ++block) {
+    if (edits_[block] == 0) continue;
+    edits_[block] = 0;
+    const std::size_t begin = block * kBlock;
+    std::fill_n(&passes_[begin], std::min(kBlock, passes_.size() - begin), Passes());
+  }
   row_begin_ = grid_.rows();
   row_end_ = 0;
 }
@@ -180,13 +194,11 @@ void LookImage::copyFrom(const LookImage& other) {
     *this = other;
     return;
   }
-  // With the rows that only this one has, to forget what was in them.
-  const int from = std::min(row_begin_, other.row_begin_);
-  const int to = std::max(row_end_, other.row_end_);
-  if (from < to) {
-    const auto begin = static_cast<std::ptrdiff_t>(grid_.index(from, 0));
-    const auto end = static_cast<std::ptrdiff_t>(grid_.index(to, 0));
-    std::copy(other.passes_.begin() + begin, other.passes_.begin() + end, passes_.begin() + begin);
+  for (std::size_t block = 0; block < edits_.size(); ++block) {
+    if (edits_[block] == other.edits_[block]) continue;
+    edits_[block] = other.edits_[block];
+    const std::size_t begin = block * kBlock;
+    std::copy_n(&other.passes_[begin], std::min(kBlock, passes_.size() - begin), &passes_[begin]);
   }
   epoch_ = other.epoch_;
   viewpoint_ = other.viewpoint_;

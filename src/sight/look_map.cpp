@@ -48,6 +48,7 @@ LookMap::LookMap(const Config& config)
       spread_(image_.grid().around(config.spread_rad)),
       pass_gap_(toTicks(fromSeconds(config.pass_gap_s))),
       aims_(image_.grid().pixels()),
+      changed_(image_.grid().pixels()),
       old_image_(config.resolution_rad),
       old_aims_(image_.grid().pixels()) {}
 
@@ -58,6 +59,7 @@ void LookMap::clear() {
 }
 
 void LookMap::add(Time stamp, const std::vector<Look>& looks, bool is_pass) {
+  changed_.clear();
   if (looks.empty()) return;
   gap_ = is_pass ? 0 : pass_gap_;
   const Vector3& viewpoint = looks[looks.size() / 2].viewpoint;
@@ -73,7 +75,7 @@ void LookMap::add(Time stamp, const std::vector<Look>& looks, bool is_pass) {
   // pixel the one nearest to its middle speaks.
   std::optional<Beam> best;
   for (const Look& look : looks) {
-    const auto beam = beamTo(look.end, {now, now, 0, look.what});
+    const auto beam = beamTo(look.end, {now, now, 0, look.what}, best ? best->pixel : 0);
     if (!beam) continue;
     if (best && best->pixel != beam->pixel) note(*best);
     if (!best || best->pixel != beam->pixel || beam->aim > best->aim) best = beam;
@@ -87,12 +89,13 @@ void LookMap::follow(const Vector3& viewpoint) {
   if ((mean_viewpoint_ - image_.viewpoint()).norm() > kMoveMax) moveTo(mean_viewpoint_);
 }
 
-std::optional<LookMap::Beam> LookMap::beamTo(const Vector3& end, const Pass& pass) const {
+std::optional<LookMap::Beam> LookMap::beamTo(const Vector3& end, const Pass& pass,
+                                             std::size_t near) const {
   const Vector3 sight = end - image_.viewpoint();
   const double range = sight.norm();
   if (!(range > kNearestLook)) return std::nullopt;  // NaN, too
   const DirectionGrid& grid = image_.grid();
-  Beam beam{end, sight / range, pass, grid.pixelOf(sight)};
+  Beam beam{end, sight / range, pass, grid.pixelNear(near, sight)};
   beam.pass.range_mm = toMillimetres(range);
   beam.aim = grid.middle(beam.pixel).dot(beam.direction) - handicap(pass.end);
   return beam;
@@ -118,7 +121,8 @@ void LookMap::note(const Beam& beam) {
 
 void LookMap::note(int row, int column, const Beam& beam, float aim) {
   LookImage::Passes& passes = image_.edit(row, column);
-  Aims& aims = aims_[image_.grid().index(row, column)];
+  const std::size_t pixel = image_.grid().index(row, column);
+  Aims& aims = aims_[pixel];
   const Ticks now = beam.pass.last;
   const bool is_new = passes[0].end == Seen::kNever || now - passes[0].last > gap_;
   if (is_new) {
@@ -129,6 +133,7 @@ void LookMap::note(int row, int column, const Beam& beam, float aim) {
     // The best look of a long pass must not be one of long ago.
     if (aim < aims[0].aim && now - aims[0].stamp <= gap_) return;
   }
+  changed_.insert(pixel);
   const Ticks first = is_new ? now : passes[0].first;
   passes[0] = beam.pass;
   passes[0].first = first;
@@ -146,7 +151,7 @@ void LookMap::moveTo(const Vector3& viewpoint) {
       for (std::size_t k = 0; k < LookImage::kPasses; ++k) {
         const Pass& pass = old_image_.passes(pixel)[k];
         const Aim& old = old_aims_[pixel][k];
-        const auto beam = beamTo(old.end.cast<double>(), pass);
+        const auto beam = beamTo(old.end.cast<double>(), pass, pixel);
         if (pass.end == Seen::kNever || !beam) continue;
         spread(*beam, [&](int r, int c, float aim) { noteAgain(r, c, k, *beam, old, aim); });
       }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/bytes_of.h"
+#include "base/index_set.h"
 #include "config/parameter_table.h"
 #include "sight/look.h"
 #include "tccm_monitor/look_image.h"
@@ -35,8 +36,11 @@ class LookMap {
   void clear();
 
   [[nodiscard]] const LookImage& image() const { return image_; }
+  /// The pixels where the last scan's looks have changed more than when a pass was last, if they
+  /// did not change the viewpoint too.
+  [[nodiscard]] const IndexSet& changed() const { return changed_; }
   [[nodiscard]] std::size_t memoryBytes() const {
-    return 2 * (image_.memoryBytes() + bytesOf(aims_));
+    return 2 * (image_.memoryBytes() + bytesOf(aims_)) + changed_.memoryBytes();
   }
 
  private:
@@ -59,7 +63,9 @@ class LookMap {
   };
   void follow(const Vector3& viewpoint);
   void moveTo(const Vector3& viewpoint);
-  [[nodiscard]] std::optional<Beam> beamTo(const Vector3& end, const Pass& pass) const;
+  /// @param near a pixel that it may fall into.
+  [[nodiscard]] std::optional<Beam> beamTo(const Vector3& end, const Pass& pass,
+                                           std::size_t near) const;
   /// Hands row, column and aim to note for each pixel that the beam speaks for.
   template <typename Note>
   void spread(const Beam& beam, Note&& note) const;
@@ -74,6 +80,7 @@ class LookMap {
   Ticks pass_gap_;
   Ticks gap_ = 0;  ///< of the scan that is added
   std::vector<Aims> aims_;
+  IndexSet changed_;
   bool started_ = false;
   Vector3 mean_viewpoint_ = Vector3::Zero();  ///< lately
   LookImage old_image_;                       ///< before a move

@@ -7,6 +7,7 @@ namespace tccm {
 namespace {
 
 constexpr std::uint32_t kNeighbours = 3;  // scans before one that pass beside it
+constexpr double kRounding = 1e-3;        // [rad] and [m], of single precision; plenty
 constexpr double kSwing = 0.02;           // [m] that a sensor's origin moves at most within a scan
 
 bool isAfter(std::uint32_t serial, std::uint32_t other) {
@@ -19,41 +20,64 @@ NewestLooks::NewestLooks(double angle_rad, double outline_rad)
     : grid_(angle_rad),
       angle_(angle_rad),
       cosine_(std::cos(angle_rad)),
+      looked_(grid_.pixels()),
       looking_(grid_.around(angle_rad)),
       beside_(grid_.around(outline_rad)),
       lines_(grid_.pixels()),
+      serials_(grid_.pixels(), 0),
       outlines_(grid_.pixels()) {
   looking_.rows = 1;
 }
 
 void NewestLooks::clear() {
   std::fill(lines_.begin(), lines_.end(), Line());
+  std::fill(serials_.begin(), serials_.end(), 0U);
   std::fill(outlines_.begin(), outlines_.end(), Outline());
-  band_ = 1.0;
-}
-
-void NewestLooks::enclose(const std::vector<Look>& looks) {
-  const auto direction = [&looks](std::size_t i) {
-    return Vector3((looks[i].end - looks[i].viewpoint).normalized());
-  };
-  band_ = 1.0;
-  normal_.setZero();
-  if (looks.empty()) return;
-  normal_ = direction(looks.size() / 4).cross(direction(3 * looks.size() / 4));
-  if (!(normal_.norm() > 0.1)) return;
-  normal_.normalize();
-  band_ = 0.0;
-  for (std::size_t i = 0; i < looks.size(); ++i) {
-    band_ = std::max(band_, std::abs(direction(i).dot(normal_)));  // which passes over NaN
-  }
+  looked_.clear();
+  beginBand({});
 }
 
 void NewestLooks::add(std::uint32_t serial, const std::vector<Look>& looks,
                       std::uint32_t outline_scans) {
-  serial_ = serial;
-  enclose(looks);
+  looked_.clear();
+  beginBand(looks);
   addOutlines(serial, looks);
   addLines(serial, looks, outline_scans);
+  finishBand();
+}
+
+void NewestLooks::beginBand(const std::vector<Look>& looks) {
+  const auto direction = [&looks](std::size_t i) {
+    return Vector3((looks[i].end - looks[i].viewpoint).normalized());
+  };
+  band_ = 1.0;
+  swing_ = 0.0;
+  normal_.setZero();
+  has_band_ = false;
+  if (looks.empty()) return;
+  viewpoint_ = looks[looks.size() / 2].viewpoint;
+  normal_ = direction(looks.size() / 4).cross(direction(3 * looks.size() / 4));
+  has_band_ = normal_.norm() > 0.1;
+  if (!has_band_) return;
+  normal_.normalize();
+  band_ = 0.0;
+}
+
+void NewestLooks::widenBand(const Vector3& viewpoint, const Vector3& direction) {
+  if (!has_band_) return;
+  band_ = std::max(band_, std::abs(direction.dot(normal_)));  // which passes over NaN
+  swing_ = std::max(swing_, (viewpoint - viewpoint_).squaredNorm());
+}
+
+/// A look's end is seen by it where its angle from the plane and the look's add up; from the one
+/// viewpoint it is off by the look's own.
+void NewestLooks::finishBand() {
+  last_ = Last();
+  if (!has_band_) return;
+  const double angles = band_ + angle_ + kRounding;
+  const double swing = (1.0 + angles) * std::sqrt(swing_) + kRounding;
+  last_ = {viewpoint_.cast<float>(), normal_.cast<float>(), static_cast<float>(swing),
+           static_cast<float>(angles)};
 }
 
 /// Neighbouring beams are nearer to each other than pixels: those that follow one another in a
@@ -66,7 +90,8 @@ void NewestLooks::addOutlines(std::uint32_t serial, const std::vector<Look>& loo
     const Vector3 sight = look.end - look.viewpoint;
     const double distance = sight.norm();
     if (!(distance > kNearestLook)) continue;  // NaN, too
-    const std::size_t own = grid_.pixelOf(sight);
+    widenBand(look.viewpoint, sight / distance);
+    const std::size_t own = nearest == kNone ? grid_.pixelOf(sight) : grid_.pixelNear(pixel, sight);
     if (own != pixel) {
       if (nearest != kNone) addOutline(pixel, nearest, serial);
       pixel = own;
@@ -83,28 +108,44 @@ void NewestLooks::addOutline(std::size_t pixel, float distance, std::uint32_t se
     Outline& outline = outlines_[beside];
     if (outline.serial != serial || distance < outline.distance) outline = {distance, serial};
     // The scan lines just before passed as near by.
-    Line& line = lines_[beside];
-    if (serial - line.serial <= kNeighbours) line.outline = std::min(line.outline, distance);
+    if (serial - serials_[beside] <= kNeighbours) {
+      lines_[beside].outline = std::min(lines_[beside].outline, distance);
+    }
     return false;
   });
 }
 
 void NewestLooks::addLines(std::uint32_t serial, const std::vector<Look>& looks,
                            std::uint32_t outline_scans) {
+  std::size_t pixel = 0;
   for (const Look& look : looks) {
-    if (look.what == Seen::kRobot || look.what == Seen::kUnclear) continue;
+    if (look.what == Seen::kRobot) continue;
     const Vector3 sight = look.end - look.viewpoint;
     const double range = sight.norm();
     if (!(range > kNearestLook)) continue;  // NaN, too
-    const std::size_t pixel = grid_.pixelOf(sight);
+    const Vector3 direction = sight / range;
+    widenBand(look.viewpoint, direction);
+    if (look.what == Seen::kUnclear) continue;
+    pixel = grid_.pixelNear(pixel, sight);
+    looked_.insert(pixel);
     Line& line = lines_[pixel];
     // Of one scan the look that saw the farthest.
-    if (line.serial == serial && line.range >= static_cast<float>(range)) continue;
+    if (serials_[pixel] == serial && line.range >= static_cast<float>(range)) continue;
     const Outline& outline = outlines_[pixel];
     const bool stands = outline.serial != 0 && serial - outline.serial <= outline_scans;
-    line = {look.viewpoint.cast<float>(), (sight / range).cast<float>(), static_cast<float>(range),
-            serial, stands ? outline.distance : kNone};
+    serials_[pixel] = serial;
+    line = {look.viewpoint.cast<float>(), direction.cast<float>(), static_cast<float>(range),
+            stands ? outline.distance : kNone};
   }
+}
+
+bool NewestLooks::sees(const Line& line, const Vector3& p_fixed, double short_m) const {
+  const Eigen::Vector3f to_place = p_fixed.cast<float>() - line.viewpoint;
+  const double along = static_cast<double>(to_place.dot(line.direction));
+  const double distance = static_cast<double>(to_place.norm());
+  return line.range >= 0.0F && along >= cosine_ * distance &&
+         static_cast<double>(line.range) >= distance - short_m &&
+         static_cast<double>(line.outline) > distance;
 }
 
 bool NewestLooks::sawSince(std::uint32_t serial, const Vector3& p_fixed, const Vector3& viewpoint,
@@ -112,13 +153,8 @@ bool NewestLooks::sawSince(std::uint32_t serial, const Vector3& p_fixed, const V
   const Vector3 sight = p_fixed - viewpoint;
   if (!(sight.squaredNorm() > kNearestLook * kNearestLook)) return false;
   return grid_.visitAround(grid_.pixelOf(sight), looking_, [&](int row, int column) {
-    const Line& line = lines_[grid_.index(row, column)];
-    if (line.range < 0.0F || !isAfter(line.serial, serial)) return false;
-    const Eigen::Vector3f to_place = p_fixed.cast<float>() - line.viewpoint;
-    const double along = static_cast<double>(to_place.dot(line.direction));
-    const double distance = static_cast<double>(to_place.norm());
-    return along >= cosine_ * distance && static_cast<double>(line.range) >= distance - short_m &&
-           static_cast<double>(line.outline) > distance;
+    const std::size_t pixel = grid_.index(row, column);
+    return isAfter(serials_[pixel], serial) && sees(lines_[pixel], p_fixed, short_m);
   });
 }
 
@@ -129,7 +165,10 @@ bool NewestLooks::sawLast(const Vector3& p_fixed, const Vector3& viewpoint, doub
   // Twice the swing, as angles: of the place's direction and of the looks'.
   const double reach = band_ + angle_ + 2.0 * kSwing / range;
   if (std::abs(sight.dot(normal_)) > reach * range) return false;
-  return sawSince(serial_ - 1, p_fixed, viewpoint, short_m);
+  return grid_.visitAround(grid_.pixelOf(sight), looking_, [&](int row, int column) {
+    const std::size_t pixel = grid_.index(row, column);
+    return looked_.has(pixel) && sees(lines_[pixel], p_fixed, short_m);
+  });
 }
 
 }  // namespace tccm

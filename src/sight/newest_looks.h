@@ -1,10 +1,12 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <vector>
 
 #include "base/bytes_of.h"
+#include "base/index_set.h"
 #include "sight/look.h"
 #include "tccm_monitor/direction_grid.h"
 
@@ -35,16 +37,23 @@ class NewestLooks {
   /// @param viewpoint of that scan.
   [[nodiscard]] bool sawLast(const Vector3& p_fixed, const Vector3& viewpoint,
                              double short_m) const;
+  /// False where sawLast() is sure to say no; in a few steps, to be asked of many.
+  [[nodiscard]] bool maySeeLast(const Eigen::Vector3f& p_fixed) const {
+    const Eigen::Vector3f sight = p_fixed - last_.viewpoint;
+    const float beyond = std::abs(sight.dot(last_.normal)) - last_.swing;
+    return !(beyond > 0.0F && beyond * beyond > last_.sine * last_.sine * sight.squaredNorm());
+  }
   void clear();
-  [[nodiscard]] std::size_t memoryBytes() const { return bytesOf(lines_, outlines_); }
+  [[nodiscard]] std::size_t memoryBytes() const {
+    return bytesOf(lines_, outlines_) + bytesOf(serials_) + looked_.memoryBytes();
+  }
 
  private:
   static constexpr float kNone = std::numeric_limits<float>::max();
   struct Line {
     Eigen::Vector3f viewpoint = Eigen::Vector3f::Zero();
     Eigen::Vector3f direction = Eigen::Vector3f::Zero();
-    float range = -1.0F;  ///< below 0: nobody looked there
-    std::uint32_t serial = 0;
+    float range = -1.0F;    ///< below 0: nobody looked there
     float outline = kNone;  ///< distance of the robot beside it
   };
   /// The robot within the outline's angle of a direction.
@@ -55,18 +64,34 @@ class NewestLooks {
   void addOutlines(std::uint32_t serial, const std::vector<Look>& looks);
   void addOutline(std::size_t pixel, float distance, std::uint32_t serial);
   void addLines(std::uint32_t serial, const std::vector<Look>& looks, std::uint32_t outline_scans);
-  void enclose(const std::vector<Look>& looks);
+  void beginBand(const std::vector<Look>& looks);
+  void widenBand(const Vector3& viewpoint, const Vector3& direction);
+  void finishBand();
+  [[nodiscard]] bool sees(const Line& line, const Vector3& p_fixed, double short_m) const;
 
   DirectionGrid grid_;
   double angle_;
   double cosine_;
-  std::uint32_t serial_ = 0;  ///< of the last scan
   // The last scan's directions lie near a plane: those along normal_ are at most this long.
   Vector3 normal_ = Vector3::Zero();
   double band_ = 1.0;
+  bool has_band_ = false;
+  Vector3 viewpoint_ = Vector3::Zero();  ///< of one of its looks
+  double swing_ = 0.0;                   ///< of the others about it, squared [m2]
+  /// The same, with room for roundings: what is seen from the viewpoint lies within the swing [m]
+  /// of directions that are at most so far from the plane.
+  struct Last {
+    Eigen::Vector3f viewpoint = Eigen::Vector3f::Zero();
+    Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+    float swing = 0.0F;
+    float sine = 1.0F;
+  };
+  Last last_;
+  IndexSet looked_;                ///< the directions that the last scan has lines in
   DirectionGrid::Around looking_;  ///< at a place: a pixel is as large as the angle
   DirectionGrid::Around beside_;   ///< the robot
   std::vector<Line> lines_;
+  std::vector<std::uint32_t> serials_;  ///< of the lines' scans, apart: most lines are too old
   std::vector<Outline> outlines_;
 };
 

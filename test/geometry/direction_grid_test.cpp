@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -40,6 +41,29 @@ TEST(DirectionGridTest, RandomDirectionsFallWhereTheirAnglesSay) {
     const int row = static_cast<int>((elevation + M_PI / 2.0) / grid.resolution());
     const int column = static_cast<int>((azimuth + M_PI) / grid.resolution());
     ASSERT_EQ(grid.pixelOf(d), grid.index(row, column)) << d.transpose();
+  }
+}
+
+TEST(DirectionGridTest, APixelIsTheSameWhateverPixelItIsLookedForNear) {
+  const DirectionGrid grid(0.035);
+  test::Random random(5);
+  const auto any = [&](std::size_t below) {
+    return static_cast<std::size_t>(random.integer(0, static_cast<int>(below) - 1));
+  };
+  for (int i = 0; i < 100000; ++i) {
+    Vector3 d = random.uniform(0.1, 3.0) * random.direction();
+    if (random.chance(0.3)) {  // near the corner of four pixels, or at an end of the columns
+      const double elevation = grid.resolution() * random.integer(0, grid.rows()) - M_PI / 2.0;
+      const double azimuth = grid.resolution() * random.integer(0, grid.columns()) - M_PI;
+      d = Vector3(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+                  std::sin(elevation)) +
+          random.point(random.chance(0.5) ? 1e-16 : 0.01);
+    }
+    const std::size_t pixel = grid.pixelOf(d);
+    const std::size_t beside = std::min(pixel + any(3), grid.pixels() - 1);
+    for (const std::size_t near : {pixel, beside, any(grid.pixels())}) {
+      ASSERT_EQ(grid.pixelNear(near, d), pixel) << d.transpose();
+    }
   }
 }
 

@@ -51,7 +51,7 @@ struct Places {
     while (at(now_s) - map.oldestStamp() > fromSeconds(window_s)) map.expireOldest();
     appearances.follow(map, looks);
     look(sight);
-    map.snapshot(snapshot, held);
+    map.snapshot(snapshot, &held);
     appearances.apply(map, snapshot);
     return snapshot.appeared;
   }
@@ -92,7 +92,7 @@ struct Places {
   LookImage looks{kPixel};
   Appearances appearances{{}, map, kPixel};
   CuboidMap snapshot;
-  std::vector<HeldLayer::Interval> held;
+  HeldLayer held{map.grid().cells(), 1};
 };
 
 /// The middle of a cell at the middle of a layer, in view.
@@ -308,7 +308,7 @@ TEST(AppearancesPlacesTest, WhatIsHeldHasNotAppearedAlsoWhereSomethingDidBesideI
   HeldLayer::Interval interval;
   interval.cell = cuboid.cell;
   interval.heights = {cuboid.bottom, cuboid.top};
-  places.held = {interval};
+  ASSERT_TRUE(places.held.hold(interval));
   EXPECT_EQ(places.frame(returnsAt(beside, 10), through), 1U);
   ASSERT_EQ(places.snapshot.cuboids.size(), 2U);
   for (const Cuboid& c : places.snapshot.cuboids) EXPECT_NE(c.appeared, c.held);

@@ -27,7 +27,7 @@ PaddedShape ball(double radius, const Vector3& centre, double padding_m = 0.0) {
 
 Region everything() { return {{{Box{{5.0, 5.0, 5.0}}, Pose::Identity()}, 0.0}}; }
 
-Runs runsIn(const IntegrationMap& map) { return test::runsOf(snapshotOf(map)); }
+Runs runsIn(IntegrationMap& map) { return test::runsOf(snapshotOf(map)); }
 
 Vector3 atHeight(double z) { return {0.05, 0.05, z}; }
 

@@ -24,7 +24,7 @@ IntegrationMap::Config smallConfig() { return test::sixCells(); }
 /// In the first cell.
 Vector3 atHeight(double z) { return {0.05, 0.05, z}; }
 
-Runs runsIn(const IntegrationMap& map) { return test::runsOf(snapshotOf(map)); }
+Runs runsIn(IntegrationMap& map) { return test::runsOf(snapshotOf(map)); }
 
 TEST(IntegrationMapTest, AReturnOccupiesTheThicknessBelowIt) {
   IntegrationMap map(smallConfig());

@@ -34,7 +34,7 @@ ScanReturns scanAt(double stamp, std::vector<Vector3> points = {}) {
 
 Mapper::Config smallMap() { return test::smallMapper(); }
 
-bool isComplete(const Mapper& mapper) { return snapshotOf(mapper).complete; }
+bool isComplete(Mapper& mapper) { return snapshotOf(mapper).complete; }
 
 /// Adds scans until one makes the map complete; its stamp, or nothing until `last`.
 std::optional<double> completeFrom(Mapper& mapper, double first, double last) {

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <utility>
+#include <vector>
 
+#include "support/random.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
@@ -99,6 +101,35 @@ TEST(LookImageTest, APlaceIsInViewOnceItsDirectionAndThoseAroundItReachAsFar) {
     }
   }
   EXPECT_FALSE(LookImage().inViewSince(at(0.0), placeAhead(0.8), 0.0));
+}
+
+/// Of copies that are brought up to date now and then, each by itself.
+TEST(LookImageTest, CopiesOfWhatChangesAreAlikeHoweverLongAgoTheyWereMade) {
+  test::Random random(8);
+  LookImage image(0.1), other(0.1);
+  std::vector<LookImage> copies(4, LookImage(0.1));
+  for (LookImage::Ticks step = 1; step < 3000; ++step) {
+    LookImage& edited = random.chance(0.8) ? image : other;
+    const int row = random.integer(0, edited.grid().rows() - 1);
+    const int column = random.integer(0, edited.grid().columns() - 1);
+    edited.edit(row, column)[0] = {step, step, 100, Seen::kSurface};
+    if (random.chance(0.01)) image.begin(at(step), kViewpoint);
+    if (random.chance(0.01)) std::swap(image, other);
+    if (random.chance(0.01)) image = other;
+    if (random.chance(0.02)) copies[1].edit(row, column)[1] = {step, step, 200, Seen::kRobot};
+    if (random.chance(0.5)) continue;
+    LookImage& copy = copies[static_cast<std::size_t>(random.integer(0, 3))];
+    const LookImage& from = random.chance(0.8) ? image : other;
+    copy.copyFrom(from);
+    ASSERT_EQ(copy.rowBegin(), from.rowBegin());
+    ASSERT_EQ(copy.rowEnd(), from.rowEnd());
+    for (std::size_t pixel = 0; pixel < from.grid().pixels(); ++pixel) {
+      for (std::size_t k = 0; k < LookImage::kPasses; ++k) {
+        const LookImage::Pass &a = copy.passes(pixel)[k], &b = from.passes(pixel)[k];
+        ASSERT_TRUE(a.first == b.first && a.range_mm == b.range_mm && a.end == b.end) << step;
+      }
+    }
+  }
 }
 
 TEST(LookImageTest, ACopyAnswersAsTheOriginalAndForgetsWhatItWas) {

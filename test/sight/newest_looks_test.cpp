@@ -136,7 +136,7 @@ std::vector<Look> scanAt(double tilt, double turn) {
 TEST(NewestLooksTest, TheLastScanAloneSawWhatItSawSinceTheOneBefore) {
   test::Random random(6);
   NewestLooks looks(kAngle, kOutline);
-  int seen = 0;
+  int seen = 0, asked = 0;
   for (std::uint32_t serial = 1; serial < 300; ++serial) {
     const auto scan = scanAt(random.uniform(0.2, 1.3), random.uniform(-0.06, 0.06));
     looks.add(serial, scan, kOutlineScans);
@@ -145,10 +145,14 @@ TEST(NewestLooksTest, TheLastScanAloneSawWhatItSawSinceTheOneBefore) {
       const Vector3 place = viewpoint + random.uniform(0.2, 1.4) * random.direction();
       const bool saw = looks.sawSince(serial - 1, place, viewpoint, kShort);
       ASSERT_EQ(looks.sawLast(place, viewpoint, kShort), saw) << place.transpose();
+      const bool may_see = looks.maySeeLast(place.cast<float>());
+      ASSERT_TRUE(may_see || !saw) << place.transpose();
       seen += saw ? 1 : 0;
+      asked += may_see ? 1 : 0;
     }
   }
   EXPECT_GT(seen, 300);
+  EXPECT_LT(asked, 300 * 300 / 2);
 }
 
 TEST(NewestLooksTest, NoAnswerIsYesUnlessSomeLookSawThePlaceAndAloneEachLookIsFound) {

@@ -47,7 +47,7 @@ inline Mapper::Config smallMapper() {
 
 /// Of an IntegrationMap or a Mapper.
 template <typename Map>
-[[nodiscard]] CuboidMap snapshotOf(const Map& map) {
+[[nodiscard]] CuboidMap snapshotOf(Map&& map) {
   CuboidMap snapshot;
   map.snapshot(snapshot);
   return snapshot;
