@@ -173,7 +173,7 @@ void Checker::Parts::judge(Time now, const JointSnapshot& joints) {
   judges.ahead.findContacts(around, verdict.ahead);
   times.collision_us = stopwatch.lapMicroseconds();
   judges.here.findOcclusion(around, verdict.now);
-  judges.ahead.findOcclusion(around, verdict.ahead);
+  judges.ahead.findOcclusion(around, verdict.ahead, &judges.here);
   times.occlusion_us = stopwatch.lapMicroseconds();
 
   const Situation situation{

@@ -121,12 +121,14 @@ const EvidenceCheck::Findings& EvidenceCheck::find(const Surroundings& around, T
   std::fill(tallies_.begin(), tallies_.end(), Tally());
   unseen_.clear();
   radii_.clear();
+  T_shapes_fixed_.clear();
   for (const Shape& shape : now_body.shapes) radii_.push_back(boundingRadius(shape));
+  for (const Pose& pose : now_body.poses) T_shapes_fixed_.push_back(pose.inverse());
   for (std::size_t i = 0; i < now_body.shapes.size(); ++i) {
     if (slot_of_shape_[i] == kPassedOver) continue;
-    const Pose T_shape_fixed = now_body.poses[i].inverse();
     const auto is_housing = [&](const Sensor& sensor) {
-      return distance(now_body.shapes[i], T_shape_fixed * sensor.map->looks.viewpoint()) == 0.0;
+      return distance(now_body.shapes[i], T_shapes_fixed_[i] * sensor.map->looks.viewpoint()) ==
+             0.0;
     };
     if (std::all_of(sensors_.begin(), sensors_.end(), is_housing)) continue;
     lookAlong(question, now_body, i, end_body.poses[i]);
@@ -142,23 +144,31 @@ void EvidenceCheck::lookAlong(const Question& question, const Body& now_body, st
   Tally& tally = tallies_[slot_of_shape_[i]];
   const Vector3 half = bounds(shape, Pose::Identity()).max();
   const double volume_each = volume(shape) / (2.0 * kPlaces.size());
-  lookAt(question, T_fixed_now.translation(), 0.0, tally);
+  const auto placeAt = [&](const Vector3& p_fixed) {
+    const double new_volume = contains(now_body, i, p_fixed) ? 0.0 : volume_each;
+    return Place{p_fixed, new_volume, evidenceOf(p_fixed, question.now)};
+  };
+  const Vector3 middle = T_fixed_now.translation();
+  count(question, {middle, 0.0, evidenceOf(middle, question.now)}, tally);
   for (const Vector3& place : kPlaces) {
     const Vector3 p_shape = half.cwiseProduct(place);
     const Vector3 p_end = T_fixed_end * p_shape;
-    const Vector3 p_halfway = 0.5 * (T_fixed_now * p_shape + p_end);
-    for (const Vector3& p_fixed : {p_halfway, p_end}) {
-      lookAt(question, p_fixed, contains(now_body, p_fixed) ? 0.0 : volume_each, tally);
-    }
+    const Place halfway = placeAt(0.5 * (T_fixed_now * p_shape + p_end));
+    count(question, halfway, tally);
+    // What stands still ends where it is halfway.
+    count(question, p_end == halfway.p_fixed ? halfway : placeAt(p_end), tally);
   }
 }
 
-/// Where one part of the robot is now another finds nothing new.
-bool EvidenceCheck::contains(const Body& body, const Vector3& p_fixed) const {
+/// Where one part of the robot is now another finds nothing new. A slow one is mostly where it is.
+bool EvidenceCheck::contains(const Body& body, std::size_t first, const Vector3& p_fixed) const {
+  const auto isIn = [&](std::size_t i) {
+    if ((p_fixed - body.poses[i].translation()).squaredNorm() > radii_[i] * radii_[i]) return false;
+    return distance(body.shapes[i], T_shapes_fixed_[i] * p_fixed) == 0.0;
+  };
+  if (isIn(first)) return true;
   for (std::size_t i = 0; i < body.shapes.size(); ++i) {
-    const Pose& pose = body.poses[i];
-    if ((p_fixed - pose.translation()).squaredNorm() > radii_[i] * radii_[i]) continue;
-    if (distance(body.shapes[i], pose.inverse() * p_fixed) == 0.0) return true;
+    if (isIn(i)) return true;
   }
   return false;
 }
@@ -205,9 +215,8 @@ EvidenceCheck::Evidence EvidenceCheck::evidenceOf(const Vector3& p_fixed, Time n
   return all;
 }
 
-void EvidenceCheck::lookAt(const Question& question, const Vector3& p_fixed, double new_volume,
-                           Tally& tally) {
-  const Evidence evidence = evidenceOf(p_fixed, question.now);
+void EvidenceCheck::count(const Question& question, const Place& place, Tally& tally) {
+  const auto& [p_fixed, new_volume, evidence] = place;
   if (evidence.looked) {
     tally.looked_at += 1.0;
     tally.old += evidence.old ? 1.0 : 0.0;

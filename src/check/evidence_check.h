@@ -90,14 +90,19 @@ class EvidenceCheck {
     std::optional<Time> known;                     ///< seen lately
     std::optional<Time> seen;  ///< seen, in a direction in which was looked since
   };
+  struct Place {
+    Vector3 p_fixed;
+    double new_volume;  ///< that it stands for; 0 where the robot is there now
+    Evidence evidence;
+  };
   [[nodiscard]] Evidence evidenceOf(const Sensor& sensor, const Vector3& p_fixed, Time now) const;
   [[nodiscard]] Evidence evidenceOf(const Vector3& p_fixed, Time now) const;
   [[nodiscard]] std::optional<double> nextLook(const Vector3& p_fixed, Time now) const;
   void lookAlong(const Question& question, const Body& now_body, std::size_t i,
                  const Pose& T_fixed_end);
-  [[nodiscard]] bool contains(const Body& body, const Vector3& p_fixed) const;
-  /// @param new_volume that the place stands for; 0 where the link is there now.
-  void lookAt(const Question& question, const Vector3& p_fixed, double new_volume, Tally& tally);
+  /// @param first of the body's shapes that is asked.
+  [[nodiscard]] bool contains(const Body& body, std::size_t first, const Vector3& p_fixed) const;
+  void count(const Question& question, const Place& place, Tally& tally);
   void sumUp(const Question& question, const Body& end_body);
 
   static constexpr std::size_t kPassedOver = static_cast<std::size_t>(-1);
@@ -108,7 +113,8 @@ class EvidenceCheck {
   std::vector<std::size_t> end_shape_of_slot_;  ///< the last of its shapes
   Findings findings_;
   std::vector<Sensor> sensors_;
-  std::vector<double> radii_;   ///< of spheres around the body's shapes
+  std::vector<double> radii_;  ///< of spheres around the body's shapes
+  std::vector<Pose> T_shapes_fixed_;
   std::vector<Tally> tallies_;  ///< by slot
   std::vector<Vector3> unseen_;
 };

@@ -52,17 +52,20 @@ OcclusionCheck::OcclusionCheck(const Config& config,
     : config_(validated(config)), old_periods_(old_periods), buffer_(config.resolution_rad) {
   for (const std::uint32_t link : link_of_shape) slot_of_shape_.push_back(entryOf(link, links_));
   order_.reserve(link_of_shape.size());
-  sights_.reserve(buffer_.grid().pixels());
 }
 
-void OcclusionCheck::find(const Surroundings& around, const Body& body, PoseFindings& findings) {
+void OcclusionCheck::find(const Surroundings& around, const Body& body, PoseFindings& findings,
+                          const OcclusionCheck* like, const Body* like_body) {
   std::vector<std::uint32_t>& hiding = findings.occluding_cuboids;
   hiding.clear();
   hiding.reserve(around.size() * around.map.cuboids.capacity());
   findings.links = links_;
   for (const SensorView& view : around) {
     const bool is_first = view.map == around.begin()->map;
-    lookFrom(*view.map, around.map, body, is_first ? findings.links : other_, hiding);
+    const LookImage& looks = view.map->looks;
+    drawFromNearToFar(looks.empty() ? view.map->viewpoint : looks.viewpoint(), body, like,
+                      like_body);
+    lookFrom(*view.map, around.map, is_first ? findings.links : other_, hiding);
     if (is_first) continue;
     for (std::size_t i = 0; i < links_.size(); ++i) {
       findings.links[i] = ofBoth(findings.links[i], other_[i]);
@@ -76,27 +79,19 @@ void OcclusionCheck::find(const Surroundings& around, const Body& body, PoseFind
                                    [this](const LinkVisibility& link) { return isOccluded(link); });
 }
 
-void OcclusionCheck::lookFrom(const CuboidMap& sensor, const CuboidMap& all, const Body& body,
+void OcclusionCheck::lookFrom(const CuboidMap& sensor, const CuboidMap& all,
                               std::vector<LinkVisibility>& links,
                               std::vector<std::uint32_t>& hiding) {
-  const Vector3& viewpoint = sensor.looks.empty() ? sensor.viewpoint : sensor.looks.viewpoint();
-  buffer_.begin(viewpoint);
-  drawFromNearToFar(viewpoint, body);
-  askLooks(sensor, all.stamp);
-  if (buffer_.canBeCovered()) {
-    for (std::uint32_t k = 0; k < all.cuboids.size(); ++k) {
-      if (buffer_.cover(all, all.cuboids[k], config_.margin_m)) hiding.push_back(k);
-    }
-  }
   links = links_;
-  countPixels(links);
+  askLooks(sensor, all.stamp, links);
+  buffer_.coverBy(all, config_.margin_m, hiding);
+  sumUp(links);
 }
 
 /// As LookImage::at(), without its stamps.
-OcclusionCheck::PixelSight OcclusionCheck::sightOf(const LookImage::Passes& passes,
-                                                   const ZBuffer::Pixel& drawn,
+OcclusionCheck::PixelSight OcclusionCheck::sightOf(const LookImage::Passes& passes, float depth,
                                                    LookImage::Ticks oldest) const {
-  const float least_mm = 1e3F * (drawn.depth - static_cast<float>(config_.margin_m));
+  const float least_mm = 1e3F * (depth - static_cast<float>(config_.margin_m));
   for (const LookImage::Pass& pass : passes) {
     if (pass.end == Seen::kNever || pass.last < oldest) break;
     if (pass.end == Seen::kUnclear) continue;
@@ -106,32 +101,49 @@ OcclusionCheck::PixelSight OcclusionCheck::sightOf(const LookImage::Passes& pass
   return PixelSight::kUnseen;
 }
 
-void OcclusionCheck::askLooks(const CuboidMap& map, Time newest) {
+void OcclusionCheck::askLooks(const CuboidMap& map, Time newest,
+                              std::vector<LinkVisibility>& links) {
   const LookImage& looks = map.looks;
   const Duration old = fromSeconds(old_periods_ * toSeconds(map.look_period));
   const bool ages_matter = old > Duration::zero();  // else no period is known yet
   const LookImage::Ticks oldest = ages_matter ? looks.ticksAt(newest - old) : 0;
   const bool same_grid = looks.grid().rows() == buffer_.grid().rows();
-  sights_.clear();
-  for (const std::uint32_t pixel : buffer_.drawn()) {
-    const std::size_t look_pixel =
-        same_grid ? pixel : looks.grid().pixelOf(buffer_.grid().middle(pixel));
-    sights_.push_back(sightOf(looks.passes(look_pixel), buffer_.pixelAt(pixel), oldest));
-    if (sights_.back() == PixelSight::kVisible) buffer_.markSeen(pixel);
+  not_visible_.clear();
+  not_visible_.reserve(buffer_.grid().pixels());
+  const std::vector<std::uint32_t>& drawn = buffer_.drawn();
+  for (std::size_t i = 0; i < drawn.size();) {
+    // The pixels of a primitive mostly follow one another: the sum stays in a register.
+    const std::uint32_t shape = buffer_.pixelAt(drawn[i]).shape;
+    LinkVisibility& link = links[slot_of_shape_[shape]];
+    double silhouette = link.silhouette;
+    for (; i < drawn.size() && buffer_.pixelAt(drawn[i]).shape == shape; ++i) {
+      const std::uint32_t pixel = drawn[i];
+      silhouette += weightOf(pixel);
+      const std::size_t look_pixel =
+          same_grid ? pixel : looks.grid().pixelOf(buffer_.grid().middle(pixel));
+      const PixelSight sight =
+          sightOf(looks.passes(look_pixel), buffer_.pixelAt(pixel).depth, oldest);
+      if (sight == PixelSight::kVisible) {
+        buffer_.markSeen(pixel);
+      } else {
+        not_visible_.push_back({pixel, sight});
+      }
+    }
+    link.silhouette = silhouette;
   }
 }
 
-void OcclusionCheck::countPixels(std::vector<LinkVisibility>& links) const {
-  for (std::size_t i = 0; i < sights_.size(); ++i) {
-    const std::uint32_t pixel = buffer_.drawn()[i];
+/// Solid angle of a pixel, relative to one at the horizon.
+double OcclusionCheck::weightOf(std::uint32_t pixel) const {
+  return buffer_.grid().cosine(buffer_.grid().rowOfPixel(pixel));
+}
+
+void OcclusionCheck::sumUp(std::vector<LinkVisibility>& links) const {
+  for (const auto& [pixel, sight] : not_visible_) {
     const ZBuffer::Pixel& drawn = buffer_.pixelAt(pixel);
     LinkVisibility& link = links[slot_of_shape_[drawn.shape]];
-    // Solid angle of a pixel, relative to one at the horizon.
-    const double weight = buffer_.grid().cosine(buffer_.grid().rowOfPixel(pixel));
-    link.silhouette += weight;
-    if (sights_[i] == PixelSight::kVisible) continue;
-    const bool is_occluded = sights_[i] == PixelSight::kOccluded || drawn.covered;
-    (is_occluded ? link.occluded_fraction : link.unseen_fraction) += weight;
+    const bool is_occluded = sight == PixelSight::kOccluded || drawn.covered;
+    (is_occluded ? link.occluded_fraction : link.unseen_fraction) += weightOf(pixel);
   }
   for (LinkVisibility& link : links) {
     if (link.silhouette > 0.0) {
@@ -143,13 +155,30 @@ void OcclusionCheck::countPixels(std::vector<LinkVisibility>& links) const {
 }
 
 /// What is hidden already need not be drawn.
-void OcclusionCheck::drawFromNearToFar(const Vector3& viewpoint, const Body& body) {
+void OcclusionCheck::drawFromNearToFar(const Vector3& viewpoint, const Body& body,
+                                       const OcclusionCheck* like, const Body* like_body) {
   order_.clear();
   for (std::uint32_t i = 0; i < body.shapes.size(); ++i) {
     order_.push_back({distance(body.shapes[i], body.poses[i].inverse() * viewpoint), i});
   }
   std::sort(order_.begin(), order_.end());
-  for (const auto& [metres, i] : order_) buffer_.draw(body.shapes[i], body.poses[i], i);
+  std::size_t same = 0;
+  if (like && like->buffer_.viewpoint() == viewpoint && like->order_.size() == order_.size()) {
+    const auto isSame = [&](std::size_t k) {
+      const std::uint32_t i = order_[k].second;
+      return like->order_[k].second == i && like_body->poses[i].matrix() == body.poses[i].matrix();
+    };
+    while (same < order_.size() && isSame(same)) ++same;
+  }
+  if (same > 0) {
+    buffer_.beginAs(like->buffer_, same);
+  } else {
+    buffer_.begin(viewpoint);
+  }
+  for (std::size_t k = same; k < order_.size(); ++k) {
+    const std::uint32_t i = order_[k].second;
+    buffer_.draw(body.shapes[i], body.poses[i], i);
+  }
 }
 
 bool OcclusionCheck::isOccluded(const LinkVisibility& link) const {

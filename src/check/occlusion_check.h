@@ -54,7 +54,10 @@ class OcclusionCheck {
   /// as far as any sensor says so.
   /// @param findings reused: the links, in the order of those handed over, the cuboids that a part
   /// of any link is hidden behind, and whether a link is occluded.
-  void find(const Surroundings& around, const Body& body, PoseFindings& findings);
+  /// @param like another of the same robot that has found, and with which body: what is drawn first
+  /// and stands where it stood then is not drawn anew.
+  void find(const Surroundings& around, const Body& body, PoseFindings& findings,
+            const OcclusionCheck* like = nullptr, const Body* like_body = nullptr);
 
   [[nodiscard]] bool isOccluded(const LinkVisibility& link) const;
   /// The picture of the last find().
@@ -62,15 +65,18 @@ class OcclusionCheck {
 
  private:
   /// From one sensor. @param links reused. @param hiding cuboids, appended.
-  void lookFrom(const CuboidMap& sensor, const CuboidMap& all, const Body& body,
-                std::vector<LinkVisibility>& links, std::vector<std::uint32_t>& hiding);
-  void drawFromNearToFar(const Vector3& viewpoint, const Body& body);
+  void lookFrom(const CuboidMap& sensor, const CuboidMap& all, std::vector<LinkVisibility>& links,
+                std::vector<std::uint32_t>& hiding);
+  void drawFromNearToFar(const Vector3& viewpoint, const Body& body, const OcclusionCheck* like,
+                         const Body* like_body);
   enum class PixelSight : std::uint8_t { kVisible, kOccluded, kUnseen };
-  /// @param newest scan of any sensor: by it looks are old, also of one that has failed.
-  void askLooks(const CuboidMap& map, Time newest);
-  void countPixels(std::vector<LinkVisibility>& links) const;
+  /// Counts the pixels of each link. @param newest scan of any sensor: by it looks are old, also of
+  /// one that has failed.
+  void askLooks(const CuboidMap& map, Time newest, std::vector<LinkVisibility>& links);
+  [[nodiscard]] double weightOf(std::uint32_t pixel) const;
+  void sumUp(std::vector<LinkVisibility>& links) const;
   /// Unseen: cuboids must tell.
-  [[nodiscard]] PixelSight sightOf(const LookImage::Passes& passes, const ZBuffer::Pixel& drawn,
+  [[nodiscard]] PixelSight sightOf(const LookImage::Passes& passes, float depth,
                                    LookImage::Ticks oldest) const;
 
   Config config_;
@@ -80,7 +86,8 @@ class OcclusionCheck {
   std::vector<std::size_t> slot_of_shape_;  ///< index into links_
   ZBuffer buffer_;
   std::vector<std::pair<double, std::uint32_t>> order_;  ///< distance of each shape, reused
-  std::vector<PixelSight> sights_;  ///< what the looks say of each pixel that is drawn, reused
+  /// The pixels that the looks do not show, and what they say of them, reused.
+  std::vector<std::pair<std::uint32_t, PixelSight>> not_visible_;
 };
 
 /// Whether the sensor sees the links that it should see, now and at the end of the way: where it

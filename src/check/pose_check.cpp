@@ -112,9 +112,11 @@ void PoseCheck::findContacts(const Surroundings& around, PoseFindings& findings)
   nameShapes(findings.keep_out);
 }
 
-void PoseCheck::findOcclusion(const Surroundings& around, PoseFindings& findings) {
+void PoseCheck::findOcclusion(const Surroundings& around, PoseFindings& findings,
+                              const PoseCheck* like) {
   if (robot_->config.check_occlusion) {
-    occlusion_.find(around, occlusion_body_.body, findings);
+    occlusion_.find(around, occlusion_body_.body, findings, like ? &like->occlusion_ : nullptr,
+                    like ? &like->occlusion_body_.body : nullptr);
     return;
   }
   findings.links.clear();

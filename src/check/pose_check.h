@@ -80,7 +80,10 @@ class PoseCheck {
   void check(const Surroundings& around, PoseFindings& findings);
   /// The parts of it, in this order.
   void findContacts(const Surroundings& around, PoseFindings& findings) const;
-  void findOcclusion(const Surroundings& around, PoseFindings& findings);
+  /// @param like another pose of which it was found just before: what stands where it stood there
+  /// is not drawn anew.
+  void findOcclusion(const Surroundings& around, PoseFindings& findings,
+                     const PoseCheck* like = nullptr);
 
   /// The distance from each link that is checked for collision to the nearest cuboid or region, in
   /// the order of their first primitives: of the primitives as they are, without padding. Only

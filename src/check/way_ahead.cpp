@@ -276,7 +276,7 @@ double WayAhead::passFree(const Way& way, std::size_t i, bool with_margin, doubl
 
 void WayAhead::place(const Way& way, std::size_t i, bool is_here) {
   const std::size_t shape = body_.shapes[i];
-  const Part& part = parts_[i];
+  Part& part = parts_[i];
   ++poses_;
   is_here_ = is_here;
   work_ += kWorkOfShape + kWorkOfJoint * part.chain.joints();
@@ -291,7 +291,7 @@ void WayAhead::placeRegions(const Way& way, std::size_t i) {
   for (const std::size_t region : exempt.of_shapes[i]) {
     const std::optional<std::size_t>& link = exempt.regions[region].link;
     if (!link) continue;
-    const LinkChain& chain = link_chains_[*link];
+    LinkChain& chain = link_chains_[*link];
     work_ += kWorkOfShape + kWorkOfJoint * chain.joints();
     T_fixed_links_[*link] = is_here_ ? here_->T_fixed_links[*link]
                                      : chain.place(cursor_.positions(), way.T_fixed_roots);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "check/column_span.h"
 #include "geometry/ray.h"
 
 namespace tccm {
@@ -118,15 +119,39 @@ ZBuffer::ZBuffer(double resolution)
       pixels_(grid_.pixels(), kEmpty),
       level_rays_(static_cast<std::size_t>(grid_.columns())),
       column_farthest_(grid_.columns()),
-      neighbours_farthest_(grid_.columns()) {
-  drawn_.reserve(pixels_.size());
-}
+      neighbours_farthest_(grid_.columns()) {}
 
 void ZBuffer::begin(const Vector3& viewpoint) {
+  // Here, as a copy has no room to spare.
+  drawn_.reserve(pixels_.size());
+  hidden_.reserve(pixels_.size());
   viewpoint_ = viewpoint;
   for (const std::uint32_t index : drawn_) pixels_[index] = kEmpty;
   drawn_.clear();
+  hidden_.clear();
+  draws_.clear();
   columns_known_ = false;
+}
+
+void ZBuffer::beginAs(const ZBuffer& other, std::size_t draws) {
+  begin(other.viewpoint_);
+  if (draws == 0) return;
+  const Draw& last = other.draws_[draws - 1];
+  const auto assignFirst = [](auto& to, const auto& from, std::size_t count) {
+    to.assign(from.begin(), from.begin() + static_cast<std::ptrdiff_t>(count));
+  };
+  assignFirst(drawn_, other.drawn_, last.drawn);
+  assignFirst(hidden_, other.hidden_, last.hidden);
+  assignFirst(draws_, other.draws_, draws);
+  for (const std::uint32_t index : drawn_) {
+    const Pixel& pixel = other.pixels_[index];
+    pixels_[index] = {pixel.depth, pixel.shape, false, false};
+  }
+  // Of what was hidden again and again the first comes last.
+  for (std::size_t i = other.hidden_.size(); i-- > last.hidden;) {
+    const auto& [index, before] = other.hidden_[i];
+    if (!std::isinf(pixels_[index].depth)) pixels_[index] = before;
+  }
 }
 
 ZBuffer::Window ZBuffer::windowOf(const Shape& shape, const Pose& T_fixed_shape) const {
@@ -154,7 +179,12 @@ ZBuffer::Window ZBuffer::windowOf(const Shape& shape, const Pose& T_fixed_shape)
 
 void ZBuffer::draw(const Shape& shape, const Pose& T_fixed_shape, std::uint32_t index) {
   const double nearest = distance(shape, T_fixed_shape.inverse() * viewpoint_);
-  if (nearest == 0.0) return;
+  if (nearest != 0.0) drawFrom(nearest, shape, T_fixed_shape, index);
+  draws_.push_back({drawn_.size(), hidden_.size()});
+}
+
+void ZBuffer::drawFrom(double nearest, const Shape& shape, const Pose& T_fixed_shape,
+                       std::uint32_t index) {
   const Window window = windowOf(shape, T_fixed_shape);
   // Rounded down: what is nearer already stays.
   const auto depth_min = static_cast<float>(nearest * (1.0 - 1e-6));
@@ -204,32 +234,39 @@ void ZBuffer::drawIn(const Window& window, const Solid& solid, const Pose& T_fix
   const double along_least = reach < 1.0 ? range * std::sqrt(1.0 - reach * reach) - 1e-9 : -range;
   // A ray's direction is its column's, level with the viewpoint, times the cosine of its row's
   // elevation, and upwards by the sine.
-  const int columns = grid_.columns();
-  const auto wrapped = [columns](int c) { return c < columns ? c : c - columns; };
   for (int c = window.column_begin; c < window.column_end; ++c) {
-    const auto column = static_cast<std::size_t>(wrapped(c));
+    const auto column = static_cast<std::size_t>(grid_.wrapped(c));
     const Eigen::Vector2d& level = grid_.columnMiddle(static_cast<int>(column));
     level_rays_[column] = {R_shape_fixed.leftCols<2>() * level, to_shape.head<2>().dot(level)};
   }
+  const int middle = grid_.wrapped(grid_.columnOf(std::atan2(to_shape.y(), to_shape.x())));
+  ColumnSpan span(window.column_begin, window.column_end, middle, grid_.columns());
   for (int row = window.row_begin; row < window.row_end; ++row) {
     Pixel* pixels = &pixels_[static_cast<std::size_t>(row * grid_.columns())];
     const double cosine = grid_.cosine(row);
     const double sine = grid_.sine(row);
     const Vector3 upwards = R_shape_fixed.col(2) * sine;
     const double along_level_least = along_least - to_shape.z() * sine;
-    for (int c = window.column_begin; c < window.column_end; ++c) {
-      const int column = wrapped(c);
+    const auto isNear = [&](int column) {
       const LevelRay& ray = level_rays_[static_cast<std::size_t>(column)];
+      return cosine * ray.along >= along_level_least;
+    };
+    span.fit(isNear);
+    span.visit([&](int column) {
       Pixel& pixel = pixels[column];
-      if (pixel.depth < depth_min || cosine * ray.along < along_level_least) continue;
+      if (pixel.depth < depth_min) return;
+      const LevelRay& ray = level_rays_[static_cast<std::size_t>(column)];
       const auto depth = static_cast<float>(entry(cosine * ray.direction + upwards));
       // Of two at the same depth the first of the body is shown, in whichever order they come.
-      if (!(depth < pixel.depth || (depth == pixel.depth && index < pixel.shape))) continue;
+      if (!(depth < pixel.depth || (depth == pixel.depth && index < pixel.shape))) return;
+      const auto at = static_cast<std::uint32_t>(&pixel - pixels_.data());
       if (std::isinf(pixel.depth)) {
-        drawn_.push_back(static_cast<std::uint32_t>(&pixel - pixels_.data()));
+        drawn_.push_back(at);
+      } else {
+        hidden_.push_back({at, pixel});
       }
       pixel = {depth, index, false, false};
-    }
+    });
   }
 }
 
@@ -288,6 +325,33 @@ double ZBuffer::depthOf(const Silhouette& s, int row) const {
   if (tangent < 0.0 && range * tangent > s.top) range = s.top / tangent;
   if (tangent > 0.0 && range * tangent < s.bottom) range = s.bottom / tangent;
   return std::clamp(range, s.near, s.far) / grid_.cosine(row);
+}
+
+/// Around what can be covered, as seen from above, and the viewpoint. A cell of which a corner may
+/// stand in front of it touches that.
+UprightBox ZBuffer::reach(double cell_size) const {
+  UprightBox reach(viewpoint_);
+  for (int c = 0; c < grid_.columns(); ++c) {
+    Vector3 farthest = viewpoint_;
+    farthest.head<2>() += double{column_farthest_[c]} * grid_.columnMiddle(c);
+    reach.extend(farthest);
+  }
+  const double half_column = 0.5 * grid_.resolution() * farthest_;
+  const Vector3 wider = Vector3::Constant(half_column + 2.0 * cell_size + 1e-6);
+  return {reach.min() - wider, reach.max() + wider};
+}
+
+void ZBuffer::coverBy(const CuboidMap& map, double margin, std::vector<std::uint32_t>& covering) {
+  if (!canBeCovered()) return;
+  const Grid::Footprint footprint = map.grid.footprint(reach(map.grid.config().cell_size_m));
+  if (footprint.x_begin >= footprint.x_end) return;
+  for (CellIndex y = footprint.y_begin; y < footprint.y_end; ++y) {
+    const std::uint32_t* cell_begin = &map.cell_begin[std::size_t{y} * map.grid.cellsX()];
+    const std::uint32_t end = cell_begin[footprint.x_end];
+    for (std::uint32_t k = cell_begin[footprint.x_begin]; k < end; ++k) {
+      if (cover(map, map.cuboids[k], margin)) covering.push_back(k);
+    }
+  }
 }
 
 bool ZBuffer::cover(const CuboidMap& map, const Cuboid& cuboid, double margin) {

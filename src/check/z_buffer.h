@@ -26,6 +26,9 @@ class ZBuffer {
 
   /// Empties the picture and moves the camera.
   void begin(const Vector3& viewpoint);
+  /// As if begun anew and drawn in as another was by its first so many calls of draw().
+  void beginAs(const ZBuffer& other, std::size_t draws);
+  [[nodiscard]] const Vector3& viewpoint() const { return viewpoint_; }
   /// Draws a primitive where it is the nearest. One that contains the viewpoint is left out.
   void draw(const Shape& shape, const Pose& T_fixed_shape, std::uint32_t index);
   /// The sensor saw as far as to what a pixel shows: whether a cuboid covers it does not matter.
@@ -37,6 +40,8 @@ class ZBuffer {
   /// pixel it reaches into counts: scans are sparser than pixels.
   /// @return whether it covers any.
   bool cover(const CuboidMap& map, const Cuboid& cuboid, double margin);
+  /// The same with all of a map's cuboids. @param covering those that cover any, appended in order.
+  void coverBy(const CuboidMap& map, double margin, std::vector<std::uint32_t>& covering);
 
   /// Whether there is a pixel that a cuboid could cover.
   [[nodiscard]] bool canBeCovered() {
@@ -64,6 +69,7 @@ class ZBuffer {
     double bottom, top;  ///< height above the viewpoint [m]
   };
   void findColumns();
+  [[nodiscard]] UprightBox reach(double cell_size) const;
   /// A ray at elevation 0.
   struct LevelRay {
     Vector3 direction;  ///< in the shape's frame
@@ -71,6 +77,7 @@ class ZBuffer {
   };
   /// Every pixel whose ray can meet the shape lies in it.
   [[nodiscard]] Window windowOf(const Shape& shape, const Pose& T_fixed_shape) const;
+  void drawFrom(double nearest, const Shape& shape, const Pose& T_fixed_shape, std::uint32_t index);
   template <typename Solid>
   void drawIn(const Window& window, const Solid& solid, const Pose& T_fixed_shape,
               std::uint32_t index, float depth_min);
@@ -87,6 +94,17 @@ class ZBuffer {
   std::vector<Pixel> pixels_;
   std::vector<LevelRay> level_rays_;  ///< of each column, for the shape being drawn
   std::vector<std::uint32_t> drawn_;
+  /// What a later primitive was drawn over.
+  struct Hidden {
+    std::uint32_t pixel;
+    Pixel before;
+  };
+  std::vector<Hidden> hidden_;
+  /// How many pixels were drawn and hidden until the end of a draw().
+  struct Draw {
+    std::size_t drawn, hidden;
+  };
+  std::vector<Draw> draws_;
   // Horizontal distance of the farthest that is drawn and not seen, in each column and in all [m];
   // 0 for nothing.
   Eigen::ArrayXf column_farthest_;

@@ -15,8 +15,23 @@ struct Posture {
   std::vector<Pose> T_fixed_shapes;  ///< one for each of the model's shapes
 };
 
+/// How a joint stands. Its turn is computed only when that changes.
+class JointStand {
+ public:
+  /// @return whether it stands otherwise than before, to the bit.
+  bool moveTo(double position, const Vector3& axis, bool turns);
+  /// Takes a frame along. @param axis as in moveTo()
+  void apply(const Vector3& axis, Pose& T_fixed_joint) const;
+
+ private:
+  double position_ = 0.0;
+  Eigen::Matrix3d turn_ = Eigen::Matrix3d::Identity();
+  bool turns_ = false;
+  bool is_known_ = false;
+};
+
 /// Forward kinematics of the whole tree. Keeps its result between calls, so each thread needs its
-/// own.
+/// own. What has not moved since the last call is not computed anew.
 class Kinematics {
  public:
   explicit Kinematics(std::shared_ptr<const RobotModel> model);
@@ -34,16 +49,20 @@ class Kinematics {
  private:
   std::shared_ptr<const RobotModel> model_;
   Posture posture_;
+  std::vector<JointStand> stands_;  ///< of each of the model's joints
+  std::vector<char> has_moved_;     ///< by link: in the last update()
+  bool is_placed_ = false;
 };
 
-/// Forward kinematics of one link alone, for whoever asks of few links at many poses.
+/// Forward kinematics of one link alone, for whoever asks of few links at many poses. As
+/// Kinematics it keeps what does not move.
 class LinkChain {
  public:
   LinkChain(const RobotModel& model, std::size_t link);
 
   /// Where the link is. @param positions and T_fixed_roots as Kinematics takes them.
   [[nodiscard]] Pose place(const std::vector<double>& positions,
-                           const std::vector<Pose>& T_fixed_roots) const;
+                           const std::vector<Pose>& T_fixed_roots);
   /// How many joints move it.
   [[nodiscard]] std::size_t joints() const { return steps_.size(); }
 
@@ -55,8 +74,11 @@ class LinkChain {
     bool turns;
     std::size_t variable;
     double multiplier, offset;
+    JointStand stand = {};
+    Pose T_fixed_joint = Pose::Identity();  ///< as it stands
   };
   std::size_t root_ = 0;  ///< index into the model's roots
+  Pose T_fixed_root_ = Pose::Identity();
   std::vector<Step> steps_;
   Pose T_last_link_ = Pose::Identity();
 };

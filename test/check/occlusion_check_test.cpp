@@ -215,6 +215,24 @@ TEST(OcclusionCheckTest, LooksOlderThanSoManyTiltPeriodsSayNothing) {
   EXPECT_EQ(visibilityOfBall(map).unseen_fraction, 1.0);
 }
 
+TEST(OcclusionCheckTest, LikeAnotherPoseTheFindingsAreAsAlone) {
+  const CuboidMap map = wall(-0.5, 0.5, -0.1, 0.1);
+  Body body{{Sphere{0.2}, Sphere{0.3}, Sphere{0.15}},
+            {placedAt(0.9, 0, 0), placedAt(-1, 0, 0), placedAt(1.2, 0.2, 0)}};
+  OcclusionCheck here({}, {0, 1, 2}), ahead({}, {0, 1, 2}), alone({}, {0, 1, 2});
+  PoseFindings findings;
+  here.find(map, body, findings);
+  const Body body_here = body;
+  body.poses[2] = placedAt(1.2, -0.2, 0.1);
+  ahead.find(map, body, findings, &here, &body_here);
+  const PoseFindings expected = findingsOf(alone, map, body);
+  EXPECT_EQ(findings.occluding_cuboids, expected.occluding_cuboids);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(findings.links[i].silhouette, expected.links[i].silhouette);
+    EXPECT_EQ(findings.links[i].occluded_fraction, expected.links[i].occluded_fraction);
+  }
+}
+
 TEST(OcclusionCheckTest, WithoutLinksNoneIsOccluded) {
   OcclusionCheck check({}, {});
   const PoseFindings result = findingsOf(check, wall(-0.5, 0.5, -0.5, 0.5), {});

@@ -211,6 +211,70 @@ TEST(ZBufferTest, CoversEveryPixelWhoseRayMeetsTheCuboidInFront) {
   EXPECT_GT(covered, 1000U);
 }
 
+TEST(ZBufferTest, AllCuboidsTogetherCoverWhatEachCoversAlone) {
+  Random random(4);
+  ZBuffer together(kResolution), alone(kResolution);
+  std::size_t covering_any = 0;
+  for (int scene = 0; scene < 60; ++scene) {
+    const CuboidMap map = test::randomMap(random, mapAround().grid.config(), 0.3);
+    // Among the cuboids, which stand low; every other time mostly outside of the area.
+    Vector3 viewpoint = random.point(scene % 2 == 0 ? 0.5 : 3.0);
+    viewpoint.z() = random.uniform(-2.0, -1.3);
+    for (ZBuffer* buffer : {&together, &alone}) buffer->begin(viewpoint);
+    for (std::uint32_t i = 0; i < 3; ++i) {
+      const Vector3 centre = viewpoint + random.uniform(0.4, 2.5) * random.direction();
+      const Pose pose = placedAt(centre.x(), centre.y(), centre.z());
+      for (ZBuffer* buffer : {&together, &alone}) buffer->draw(Sphere{0.3}, pose, i);
+    }
+    std::vector<std::uint32_t> covering, each;
+    together.coverBy(map, 0.05, covering);
+    for (std::uint32_t k = 0; k < map.cuboids.size(); ++k) {
+      if (alone.cover(map, map.cuboids[k], 0.05)) each.push_back(k);
+    }
+    EXPECT_EQ(covering, each) << scene;
+    covering_any += each.size();
+    for (const std::uint32_t at : alone.drawn()) {
+      EXPECT_EQ(together.pixelAt(at).covered, alone.pixelAt(at).covered) << scene;
+    }
+  }
+  EXPECT_GT(covering_any, 1000U);
+}
+
+/// A picture of shapes some of which moved.
+TEST(ZBufferTest, APictureBegunAsAnotherIsAsIfDrawnAlone) {
+  Random random(5);
+  ZBuffer other(kResolution), begun(kResolution), alone(kResolution);
+  for (int scene = 0; scene < 60; ++scene) {
+    const Vector3 viewpoint = random.point(0.5);
+    std::vector<Shape> shapes;
+    std::vector<Pose> poses;
+    for (std::size_t i = 0; i < 6; ++i) {
+      shapes.push_back(random.shape(i % test::kShapeKinds));
+      poses.push_back(random.pose(0.8));
+    }
+    const auto draw = [&](ZBuffer& buffer, std::size_t from) {
+      for (std::size_t i = from; i < 6; ++i) {
+        buffer.draw(shapes[i], poses[i], static_cast<std::uint32_t>(i));
+      }
+    };
+    other.begin(viewpoint);
+    draw(other, 0);
+    for (const std::uint32_t at : other.drawn()) other.markSeen(at);
+    const auto same = static_cast<std::size_t>(random.integer(0, 6));
+    for (std::size_t i = same; i < 6; ++i) poses[i] = random.pose(0.8);
+    begun.beginAs(other, same);
+    draw(begun, same);
+    alone.begin(viewpoint);
+    draw(alone, 0);
+    ASSERT_EQ(begun.drawn(), alone.drawn()) << scene << ": in the same order";
+    for (std::uint32_t at = 0; at < alone.grid().pixels(); ++at) {
+      EXPECT_EQ(begun.pixelAt(at).depth, alone.pixelAt(at).depth);
+      EXPECT_EQ(begun.pixelAt(at).shape, alone.pixelAt(at).shape);
+      EXPECT_FALSE(begun.pixelAt(at).seen);
+    }
+  }
+}
+
 TEST(ZBufferTest, ACuboidAtTheSeamCoversBothEndsOfThePicture) {
   ZBuffer buffer(kResolution);
   buffer.begin(kOrigin);

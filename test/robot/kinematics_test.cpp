@@ -174,18 +174,30 @@ TEST(KinematicsTest, ASlidIsAsFarAsItsPosition) {
                              Vector3(-0.5, 0.5, 0.5), 1e-12));
 }
 
-TEST(KinematicsTest, AnUpdateLeavesNothingOfTheOneBefore) {
+TEST(KinematicsTest, AnUpdateLeavesNothingOfTheOneBeforeWhicheverJointsMove) {
   const auto model = test::modelOf(everyJointUrdf());
-  Kinematics used(model), fresh(model);
+  Kinematics used(model);
+  std::vector<LinkChain> used_chains;
+  for (std::size_t k = 0; k < model->links().size(); ++k) used_chains.emplace_back(*model, k);
   Random random(2);
   std::vector<double> positions(model->variables().size());
-  for (int i = 0; i < 5; ++i) {
-    for (double& position : positions) position = random.uniform(-2.0, 2.0);
-    used.update(positions, {Pose::Identity()});
-  }
-  fresh.update(positions, {Pose::Identity()});
-  for (std::size_t k = 0; k < model->links().size(); ++k) {
-    EXPECT_TRUE(test::isNearly(used.linkPoses()[k], fresh.linkPoses()[k], 0.0));
+  std::vector<Pose> roots{Pose::Identity()};
+  for (int i = 0; i < 50; ++i) {
+    for (double& position : positions) {
+      if (random.chance(0.3)) position = random.uniform(-2.0, 2.0);
+    }
+    if (random.chance(0.2)) roots[0] = random.pose(1.0);
+    Kinematics fresh(model);
+    used.update(positions, roots);
+    fresh.update(positions, roots);
+    for (std::size_t k = 0; k < model->links().size(); ++k) {
+      EXPECT_TRUE(test::isNearly(used.linkPoses()[k], fresh.linkPoses()[k], 0.0));
+      EXPECT_TRUE(test::isNearly(used_chains[k].place(positions, roots),
+                                 LinkChain(*model, k).place(positions, roots), 0.0));
+    }
+    for (std::size_t k = 0; k < model->shapes().size(); ++k) {
+      EXPECT_TRUE(test::isNearly(used.shapePoses()[k], fresh.shapePoses()[k], 0.0));
+    }
   }
 }
 
