@@ -37,7 +37,7 @@ class Ours {
   void expireOldest() { map_.expireOldest(); }
   [[nodiscard]] std::size_t scans() const { return map_.scans(); }
   [[nodiscard]] std::size_t memoryBytes() const { return map_.memoryBytes(); }
-  [[nodiscard]] std::size_t cuboids() const {
+  [[nodiscard]] std::size_t cuboids() {
     CuboidMap snapshot;
     map_.snapshot(snapshot);
     return snapshot.cuboids.size();
