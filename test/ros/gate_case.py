@@ -69,7 +69,10 @@ class GateCase(unittest.TestCase):
 
     def tearDown(self):
         for arm in (self.left, self.right):
-            arm.client.cancel_all_goals()
+            if arm.client.get_state() not in (GoalStatus.PENDING, GoalStatus.ACTIVE):
+                continue
+            arm.client.cancel_goal()  # alone: to cancel all could meet the next test's goal
+            arm.client.wait_for_result()
 
     def set_off(self, arm, way=0.9, seconds=1.8, client=None):
         """Straight; @return its speed once it is under way at full speed."""
