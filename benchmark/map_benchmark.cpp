@@ -8,13 +8,12 @@
 #include <chrono>
 #include <cmath>
 #include <deque>
-#include <limits>
 #include <random>
 
-#include "geometry/ray.h"
 #include "map/integration_map.h"
 #include "map/place_ages.h"
 #include "sight/look_map.h"
+#include "streams.h"
 #include "support/literal_map.h"
 #include "support/part_union.h"
 
@@ -27,42 +26,11 @@ constexpr std::size_t kPaperWindow = 40;
 const Vector3 kSensor(0.0, 0.0, 1.515);
 constexpr int kScansInPeriod = 56;  // of 28 ms in a tilt of 1.575 s
 
-struct Thing {
-  Box box;
-  Vector3 centre;
-};
-
-/// A table 0.7 m high, what stands on it, the floor, and a panel at the area's far end.
-std::vector<Thing> scene() {
-  std::vector<Thing> things = {{Box{{3.0, 3.0, 0.005}}, {0.0, 0.0, 0.01}},
-                               {Box{{0.02, 3.0, 0.15}}, {1.45, 0.0, 0.85}},
-                               {Box{{0.40, 0.70, 0.015}}, {0.80, 0.0, 0.70}}};
-  std::mt19937 engine(1);
-  std::uniform_real_distribution<double> unit(0.0, 1.0);
-  for (int i = 0; i < 14; ++i) {
-    const double height = 0.05 + 0.25 * unit(engine);
-    things.push_back(
-        {Box{{0.02 + 0.05 * unit(engine), 0.02 + 0.05 * unit(engine), 0.5 * height}},
-         {0.50 + 0.6 * unit(engine), -0.6 + 1.2 * unit(engine), 0.715 + 0.5 * height}});
-  }
-  return things;
-}
-
-/// Range along the ray to the nearest thing; infinite where there is none.
-double rangeTo(const std::vector<Thing>& things, const Ray& ray) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const Thing& thing : things) {
-    const auto span = intersect(thing.box, {ray.origin - thing.centre, ray.direction});
-    if (span) nearest = std::min(nearest, span->enter);
-  }
-  return nearest;
-}
-
 /// A period of scans: the sensor 1.515 m high looks 45 degrees down, +-30, with 1 cm of noise. Its
 /// 600 beams lie within +-35 degrees, so that they fall into the area
 /// until they pass over the panel.
 std::vector<Points> period(const Grid& grid) {
-  const std::vector<Thing> things = scene();
+  const std::vector<streams::Thing> things = streams::scene();
   std::mt19937 engine(2);
   std::normal_distribution<double> noise(0.0, 0.01);
   std::vector<Points> scans(kScansInPeriod);
@@ -73,7 +41,7 @@ std::vector<Points> period(const Grid& grid) {
     for (int i = 0; i < 600; ++i) {
       const double angle = M_PI / 180.0 * (-35.0 + 70.0 / 599.0 * i);
       const Ray ray{kSensor, down * Vector3(std::cos(angle), std::sin(angle), 0.0)};
-      const Vector3 p = ray.at(rangeTo(things, ray) + noise(engine));
+      const Vector3 p = ray.at(streams::rangeTo(things, ray) + noise(engine));
       if (grid.cellOf(p)) scans[k].push_back(p);
     }
   }

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <random>
 #include <string>
 #include <vector>
@@ -43,6 +44,16 @@ inline std::vector<Thing> scene() {
   return things;
 }
 
+/// To the nearest thing along the ray; infinite where there is none.
+inline double rangeTo(const std::vector<Thing>& things, const Ray& ray) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Thing& thing : things) {
+    const auto span = intersect(thing.box, {ray.origin - thing.centre, ray.direction});
+    if (span) nearest = std::min(nearest, span->enter);
+  }
+  return nearest;
+}
+
 /// Casts rays into the scene, with 1 cm of noise.
 class Caster {
  public:
@@ -50,12 +61,8 @@ class Caster {
 
   void cast(const Vector3& direction, Points& points) {
     const Ray ray{viewpoint_, direction.normalized()};
-    double nearest = 10.0;
-    for (const Thing& thing : things_) {
-      const auto span = intersect(thing.box, {ray.origin - thing.centre, ray.direction});
-      if (span) nearest = std::min(nearest, span->enter);
-    }
-    if (nearest < 10.0) points.push_back(ray.at(nearest + noise_(engine_)));
+    const double range = rangeTo(things_, ray);
+    if (range < 10.0) points.push_back(ray.at(range + noise_(engine_)));
   }
 
  private:

@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <random>
 #include <vector>
 
-#include "geometry/ray.h"
 #include "sight/look.h"
-#include "tccm_monitor/shape.h"
+#include "streams.h"
 
 namespace tccm {
 
@@ -35,25 +33,15 @@ class TiltingStream {
   static constexpr Duration kScan = std::chrono::milliseconds(28);
 
  private:
-  struct Thing {
-    Box box;
-    Vector3 centre;
-  };
+  using Thing = streams::Thing;
 
-  /// A table 0.7 m high, what stands on it, floor, walls, and a panel at the area's far end.
+  /// Walls around the scene, and more of the floor.
   static std::vector<Thing> surroundings() {
-    std::vector<Thing> things = {
-        {Box{{4.0, 4.0, 0.005}}, {0.0, 0.0, 0.01}},   {Box{{0.02, 3.0, 0.15}}, {1.45, 0.0, 0.85}},
-        {Box{{0.40, 0.70, 0.015}}, {0.80, 0.0, 0.7}}, {Box{{0.1, 4.0, 2.0}}, {3.5, 0.0, 2.0}},
-        {Box{{4.0, 0.1, 2.0}}, {0.0, 2.5, 2.0}},      {Box{{4.0, 0.1, 2.0}}, {0.0, -2.5, 2.0}}};
-    std::mt19937 engine(1);
-    std::uniform_real_distribution<double> unit(0.0, 1.0);
-    for (int i = 0; i < 14; ++i) {
-      const double height = 0.05 + 0.25 * unit(engine);
-      things.push_back(
-          {Box{{0.02 + 0.05 * unit(engine), 0.02 + 0.05 * unit(engine), 0.5 * height}},
-           {0.50 + 0.6 * unit(engine), -0.6 + 1.2 * unit(engine), 0.715 + 0.5 * height}});
-    }
+    std::vector<Thing> things = streams::scene();
+    things.insert(things.end(), {{Box{{4.0, 4.0, 0.005}}, {0.0, 0.0, 0.01}},
+                                 {Box{{0.1, 4.0, 2.0}}, {3.5, 0.0, 2.0}},
+                                 {Box{{4.0, 0.1, 2.0}}, {0.0, 2.5, 2.0}},
+                                 {Box{{4.0, 0.1, 2.0}}, {0.0, -2.5, 2.0}}});
     return things;
   }
   /// Two forearms over the table, to and fro in two periods of the tilt, and in four.
@@ -63,15 +51,6 @@ class TiltingStream {
     return {{Box{{0.25, 0.05, 0.05}}, {0.55, 0.3 + left, 1.0}},
             {Box{{0.25, 0.05, 0.05}}, {0.6, -0.35 + right, 0.95}}};
   }
-  static double rangeTo(const std::vector<Thing>& things, const Ray& ray) {
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const Thing& thing : things) {
-      const auto span = intersect(thing.box, {ray.origin - thing.centre, ray.direction});
-      if (span) nearest = std::min(nearest, span->enter);
-    }
-    return nearest;
-  }
-
   ScanReturns scanAt(int k, std::mt19937& engine) const {
     constexpr double kRangeMax = 10.0;
     std::normal_distribution<double> noise(0.0, 0.01);
@@ -87,7 +66,7 @@ class TiltingStream {
       scan.viewpoint = Vector3(0.0, 0.0, 1.5) + down * Vector3(0.0, 0.0, 0.03);
       const double angle = M_PI / 180.0 * (-122.0 + 244.0 / (kBeams - 1) * i);
       const Ray ray{scan.viewpoint, down * Vector3(std::cos(angle), std::sin(angle), 0.0)};
-      const double surface = rangeTo(things_, ray), arm = rangeTo(robot, ray);
+      const double surface = streams::rangeTo(things_, ray), arm = streams::rangeTo(robot, ray);
       const double range = std::min(surface, arm);
       const Vector3 end = ray.at(std::min(kRangeMax, range + noise(engine)));
       const Seen what = range > kRangeMax ? Seen::kNothing

@@ -11,7 +11,7 @@ from control_msgs.msg import (FollowJointTrajectoryGoal, FollowJointTrajectoryRe
                               JointTolerance)
 from trajectory_msgs.msg import JointTrajectory
 
-from gated_arm import ELBOW, ArmClient, end_of
+from gated_arm import ELBOW, ArmClient, assert_feedback_tells_joints, end_of
 from waiting import wait_for
 
 STOP_DURATION = 0.3  # [s], of arm_controllers.yaml
@@ -71,15 +71,7 @@ class ArmControllersTest(unittest.TestCase):
             self.assert_at(arm, arm.aside(0.3))
 
     def test_feedback_tells_where_the_joints_are(self):
-        arm, feedback = self.right, []
-        arm.client.send_goal(arm.goal(arm.aside(0.4), 0.8, smooth=True), feedback_cb=feedback.append)
-        self.assertEqual(end_of(arm.client)[0], GoalStatus.SUCCEEDED)
-        self.assertGreater(len(feedback), 5)
-        for message in feedback:
-            self.assertEqual(list(message.joint_names), arm.joints)
-            for desired, actual, error in zip(message.desired.positions, message.actual.positions,
-                                              message.error.positions):
-                self.assertAlmostEqual(desired - actual, error, 9)
+        assert_feedback_tells_joints(self, self.right)
 
     def assert_stopped_from(self, arm, speed):
         """It took 5/8 of speed times stop duration: along the quintic that brakes there."""

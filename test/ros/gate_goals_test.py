@@ -15,7 +15,7 @@ from control_msgs.msg import FollowJointTrajectoryGoal, FollowJointTrajectoryRes
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from gate_case import REACHED, GateCase
-from gated_arm import AT_REST, ELBOW, end_of
+from gated_arm import AT_REST, ELBOW, assert_feedback_tells_joints, end_of
 from tccm_monitor.msg import MotionPermission
 from tccm_monitor.srv import CheckTrajectoryResponse
 from waiting import wait_for
@@ -92,15 +92,7 @@ class GoalsTest(GateCase):
             arm.come_to_rest()
 
     def test_feedback_tells_where_the_joints_are(self):
-        arm, feedback = self.right, []
-        arm.client.send_goal(arm.goal(arm.aside(0.4), 0.8, smooth=True), feedback_cb=feedback.append)
-        self.assertEqual(end_of(arm.client)[0], GoalStatus.SUCCEEDED)
-        self.assertGreater(len(feedback), 5)
-        for message in feedback:
-            self.assertEqual(list(message.joint_names), arm.joints)
-            for desired, actual, error in zip(message.desired.positions, message.actual.positions,
-                                              message.error.positions):
-                self.assertAlmostEqual(desired - actual, error, 9)
+        assert_feedback_tells_joints(self, self.right)
 
     def test_the_example_client_reaches_there_and_back_and_waits_where_it_is_refused(self):
         arm, begun = self.right, time.monotonic()

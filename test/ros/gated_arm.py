@@ -5,6 +5,7 @@ import time
 
 import actionlib
 import rospy
+from actionlib_msgs.msg import GoalStatus
 from control_msgs.msg import FollowJointTrajectoryAction, FollowJointTrajectoryGoal
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
@@ -100,3 +101,15 @@ def end_of(client):
     """@return how its goal ended: status and error code."""
     assert client.wait_for_result(rospy.Duration(PATIENCE))
     return client.get_state(), client.get_result().error_code
+
+
+def assert_feedback_tells_joints(case, arm):
+    feedback = []
+    arm.client.send_goal(arm.goal(arm.aside(0.4), 0.8, smooth=True), feedback_cb=feedback.append)
+    case.assertEqual(end_of(arm.client)[0], GoalStatus.SUCCEEDED)
+    case.assertGreater(len(feedback), 5)
+    for message in feedback:
+        case.assertEqual(list(message.joint_names), arm.joints)
+        for desired, actual, error in zip(message.desired.positions, message.actual.positions,
+                                          message.error.positions):
+            case.assertAlmostEqual(desired - actual, error, 9)
