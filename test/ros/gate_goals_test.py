@@ -68,8 +68,7 @@ class GoalsTest(GateCase):
         self.assertLess(time.monotonic() - begun, 3.2)
         arm.come_to_rest()
         self.assert_at(arm, arm.aside(0.6), 1e-6)
-        fastest = max(abs(v[ELBOW]) for _, _, _, v in arm.log(begun))
-        self.assertLess(fastest, 0.45 * 1.05)
+        self.assertLess(arm.fastest(0.5, begun), 0.45 * 1.1)
 
     def test_a_goal_is_reported_before_it_is_asked_about_until_it_has_ended(self):
         arm = self.right

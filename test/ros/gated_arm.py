@@ -67,6 +67,17 @@ class ArmClient:
         elbow = [positions[ELBOW] for _, _, positions, _ in self.log(since, until)]
         return max(elbow) - min(elbow)
 
+    def fastest(self, seconds, since):
+        """The speed of its elbow over the fastest so many seconds: where a busy machine is late, the arm
+        catches up at once [rad/s]."""
+        speeds, begin = [], 0
+        log = [(stamp, positions[ELBOW]) for _, stamp, positions, _ in self.log(since)]
+        for stamp, elbow in log:
+            while stamp - log[begin][0] > seconds:
+                speeds.append(abs(elbow - log[begin][1]) / (stamp - log[begin][0]))
+                begin += 1
+        return max(speeds)
+
     def aside(self, way):
         """@return where its joints began, the elbow nearer to the middle of its range."""
         towards = way if self.start[ELBOW] < ELBOW_MIDDLE else -way
