@@ -21,6 +21,7 @@ struct Stream {
   Vector3 viewpoint;
   double period_s;            ///< from one scan to the next
   std::vector<Points> scans;  ///< returns in the fixed frame, those outside the area among them
+  std::vector<double> tilts;  ///< of each scan [rad]; none: clouds, each of which is whole
 };
 
 struct Thing {
@@ -78,11 +79,12 @@ constexpr double kDegree = M_PI / 180.0;
 /// beams cover.
 inline Stream tilting(const std::string& name, double fan_deg) {
   constexpr int kScans = 56, kBeams = 666;
-  Stream stream{name, {0.0, 0.0, 1.515}, 0.028, std::vector<Points>(kScans)};
+  Stream stream{name, {0.0, 0.0, 1.515}, 0.028, std::vector<Points>(kScans), {}};
   Caster caster(stream.viewpoint);
   for (int k = 0; k < kScans; ++k) {
     const double phase = 2.0 * M_PI * k / kScans;
-    const Eigen::AngleAxisd down(kDegree * (45.0 + 30.0 * std::sin(phase)), Vector3::UnitY());
+    stream.tilts.push_back(kDegree * (45.0 + 30.0 * std::sin(phase)));
+    const Eigen::AngleAxisd down(stream.tilts.back(), Vector3::UnitY());
     for (int i = 0; i < kBeams; ++i) {
       const double angle = kDegree * fan_deg * (static_cast<double>(i) / (kBeams - 1) - 0.5);
       caster.cast(down * Vector3(std::cos(angle), std::sin(angle), 0.0),
@@ -94,7 +96,7 @@ inline Stream tilting(const std::string& name, double fan_deg) {
 
 /// 64 rows over 45 degrees, 1,024 columns around, 0.3 m over the table.
 inline Stream lidar() {
-  Stream stream{"lidar, 64 x 1024", {0.0, 0.0, 1.0}, 0.1, std::vector<Points>(4)};
+  Stream stream{"lidar, 64 x 1024", {0.0, 0.0, 1.0}, 0.1, std::vector<Points>(4), {}};
   Caster caster(stream.viewpoint);
   for (Points& points : stream.scans) {
     for (int column = 0; column < 1024; ++column) {
@@ -112,7 +114,8 @@ inline Stream lidar() {
 
 /// 640 x 480 pixels, 75 by 62 degrees, 1.5 m high and 45 degrees down.
 inline Stream camera() {
-  Stream stream{"depth camera, 640 x 480", {-0.1, 0.0, 1.5}, 1.0 / 30.0, std::vector<Points>(4)};
+  Stream stream{
+      "depth camera, 640 x 480", {-0.1, 0.0, 1.5}, 1.0 / 30.0, std::vector<Points>(4), {}};
   Caster caster(stream.viewpoint);
   const Eigen::AngleAxisd down(kDegree * 45.0, Vector3::UnitY());
   for (Points& points : stream.scans) {
