@@ -68,7 +68,8 @@ void Evaluation::noteArrival(const std_msgs::Header& header, std::size_t sensor,
 void Evaluation::add(const sensor_msgs::LaserScan& message, std::size_t sensor,
                      const std::string& publisher) {
   noteArrival(message.header, sensor, publisher);
-  std::get<ScanSource>(sources_[sensor]).add(fromMessage(message), message.header.frame_id, *now_);
+  fromMessage(message, scan_);
+  std::get<ScanSource>(sources_[sensor]).add(scan_, message.header.frame_id, *now_);
   compareWithModel();
   mapReady();
 }

@@ -153,7 +153,7 @@ class Evaluation {
   void noteArrival(const std_msgs::Header& header, std::size_t sensor,
                    const std::string& publisher);
   Monitor::ScanOutcome addTo(const ScanSource::Ready& ready, std::size_t sensor) {
-    return monitor_.addScan(*now_, ready.scan, ready.T_fixed_sensor, ready.T_fixed_roots, sensor);
+    return monitor_.addScan(*now_, *ready.scan, ready.T_fixed_sensor, ready.T_fixed_roots, sensor);
   }
   Monitor::ScanOutcome addTo(const CloudSource::Ready& ready, std::size_t sensor) {
     return monitor_.addCloud(*now_, *ready.scan, ready.T_fixed_sensor, ready.T_fixed_roots, sensor);
@@ -180,6 +180,7 @@ class Evaluation {
   std::set<std::string> frames_;
   std::deque<Source> sources_;                       ///< by sensor
   std::vector<std::optional<CloudReader>> readers_;  ///< of cameras and lidars
+  LaserScan scan_;                                   ///< reused
   std::map<std::string, Time> newest_;               ///< by publisher
   std::optional<Time> now_;
   bool stopped_ = false;   ///< by the last check

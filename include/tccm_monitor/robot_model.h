@@ -159,7 +159,7 @@ class RobotModel {
   [[nodiscard]] const std::vector<std::size_t>& roots() const { return tree_.roots; }
   [[nodiscard]] std::vector<std::string> rootLinks() const;
   /// The same as transforms call them.
-  [[nodiscard]] std::vector<std::string> rootFrames() const;
+  [[nodiscard]] const std::vector<std::string>& rootFrames() const { return root_frames_; }
   /// What transforms call a link: with the prefix, and without a slash in front.
   [[nodiscard]] std::string frameOf(const std::string& link) const;
   [[nodiscard]] const std::vector<RobotJoint>& joints() const { return tree_.joints; }
@@ -208,6 +208,7 @@ class RobotModel {
   JointTree tree_;
   JointTree frames_;
   std::string tf_prefix_;
+  std::vector<std::string> root_frames_;
   std::vector<LinkShape> shapes_;
   std::vector<LinkElement> elements_;
   std::vector<std::string> links_without_shape_;

@@ -194,14 +194,15 @@ std::optional<Time> ModelAgreement::instantOf(Frame& frame,
   if (newest.is_static || newest.stamp - answered > kAheadMax) {
     return frame.stamp != answered ? std::optional<Time>(answered) : std::nullopt;
   }
-  std::deque<Time>& awaited = frame.awaited;
+  std::vector<Time>& awaited = frame.awaited;
   const Time last = awaited.empty() ? frame.stamp.value_or(Time()) : awaited.back();
   if (newest.stamp != last) awaited.push_back(newest.stamp);
-  if (awaited.size() > kAwaited) awaited.pop_front();
-  std::optional<Time> found;
-  for (; !awaited.empty() && awaited.front() <= answered; awaited.pop_front()) {
-    found = awaited.front();
-  }
+  if (awaited.size() > kAwaited) awaited.erase(awaited.begin());
+  const auto isAnswered = [answered](Time stamp) { return stamp <= answered; };
+  const auto left = std::find_if_not(awaited.begin(), awaited.end(), isAnswered);
+  if (left == awaited.begin()) return std::nullopt;
+  const Time found = *(left - 1);
+  awaited.erase(awaited.begin(), left);
   return found;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -89,7 +88,7 @@ class ModelAgreement {
     std::string tf_reference, tf_frame;
     FrameChain chain;
     std::vector<Vector3> points;  ///< at which displacements are measured, in the link's frame
-    std::deque<Time> awaited;     ///< instants of transforms that joint states have to reach
+    std::vector<Time> awaited;    ///< instants of transforms that joint states have to reach
     std::optional<Time> stamp;    ///< compared last
     std::optional<Time> when;     ///< and by the clock
     std::uint32_t history = 0;    ///< a bit for each of the last comparisons: beyond the tolerance

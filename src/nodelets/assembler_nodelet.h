@@ -37,6 +37,7 @@ class AssemblerNodelet : public DiagnosedNodelet {
   void setUpStage(StageOf&& stage_of) {
     config_ = configFrom<Config>(privateNode());
     tellDifferences(privateNode(), config_);
+    config_.fixed_frame = withoutSlash(config_.fixed_frame);
     model_ = stage_of(config_).self_filter ? sharedRobotModel(node()) : nullptr;
     stage_ = std::make_unique<Stage>(stage_of(config_), model_);
     transforms_ = std::make_unique<TransformHistory>(fromSeconds(config_.transform_gap_max_s));
@@ -66,10 +67,9 @@ class AssemblerNodelet : public DiagnosedNodelet {
   void noteArrival(const std_msgs::Header& header) {
     ++received_;
     last_scan_ = ros::Time::now();
-    tccm_monitor::ScanReport arrived;
-    arrived.header = header;
-    arrived.outcome = tccm_monitor::ScanReport::WAITING;
-    report(arrived);
+    arrived_report_.header = header;
+    arrived_report_.outcome = tccm_monitor::ScanReport::WAITING;
+    report(arrived_report_);
   }
   void process() {
     while (const auto* ready = source_->next(stage_->joints(), toTime(ros::Time::now()))) {
@@ -101,7 +101,7 @@ class AssemblerNodelet : public DiagnosedNodelet {
   }
   void publishFilteredCloud(const ScanReturns& returns) {
     const auto message = filtered_clouds_.take();
-    toPoints(returns, withoutSlash(config_.fixed_frame), *message);
+    toPoints(returns, config_.fixed_frame, *message);
     filtered_publisher_.publish(sensor_msgs::PointCloud2::ConstPtr(message));
   }
 
@@ -175,7 +175,7 @@ class AssemblerNodelet : public DiagnosedNodelet {
   void publishMarkers() {
     const auto& samples = stage_->body()->samples();
     if (marker_publisher_.getNumSubscribers() == 0 || samples.empty()) return;
-    marker_publisher_.publish(toMarkers(samples.back(), withoutSlash(config_.fixed_frame)));
+    marker_publisher_.publish(toMarkers(samples.back(), config_.fixed_frame));
   }
 
   void nowAndThen() override { process(); }
@@ -216,7 +216,7 @@ class AssemblerNodelet : public DiagnosedNodelet {
   std::unique_ptr<Source> source_;
   ScanTracer trace_;
   MessagePool<tccm_monitor::ScanReport> reports_;
-  tccm_monitor::ScanReport assembled_report_;  ///< reused
+  tccm_monitor::ScanReport arrived_report_, assembled_report_;  ///< reused
   std::size_t received_ = 0;
   std::size_t assembled_ = 0;
   std::size_t dropped_diagnosed_ = 0;

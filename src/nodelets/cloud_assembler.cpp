@@ -42,7 +42,7 @@ class CloudAssembler : public AssemblerNodelet<CloudAssemblerConfig, CloudStage,
     trace().note("assembled");
     noteAssembled(ready, stage().counts(), since);
     const auto message = messages_.take();
-    toMessage(stage().returns(), withoutSlash(config().fixed_frame), *message);
+    toMessage(stage().returns(), config().fixed_frame, *message);
     cloud_publisher_.publish(tccm_monitor::CloudScan::ConstPtr(message));
     trace().note("cloud_scan is published");
     trace().publish(message->header.stamp);

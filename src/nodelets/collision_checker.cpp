@@ -3,7 +3,6 @@
 #include <sensor_msgs/Image.h>
 #include <std_msgs/Bool.h>
 #include <std_msgs/Float64.h>
-#include <tccm_monitor/MotionPermission.h>
 #include <visualization_msgs/MarkerArray.h>
 
 #include <algorithm>
@@ -49,6 +48,7 @@ void publishValue(const ros::Publisher& publisher, Value value) {
 void CollisionChecker::setUp() {
   config_ = configFrom<CheckerConfig>(privateNode());
   tellDifferences(privateNode(), config_);
+  config_.fixed_frame = withoutSlash(config_.fixed_frame);
   config_.checker.inputs.fixed_frame = config_.fixed_frame;
   double& stop_duration_s = config_.checker.braking.stop_duration_s;
   stop_duration_s = std::max(stop_duration_s, gatesStopDuration());
@@ -121,8 +121,7 @@ void CollisionChecker::makeFeeds() {
         receiveReport(feed, report);
       }};
   for (const SensorInput& sensor : checker_->inputs().sensors()) {
-    feeds_.emplace_back(feeds_.size(), sensor.name(), withoutSlash(config_.fixed_frame), takers,
-                        watched);
+    feeds_.emplace_back(feeds_.size(), sensor.name(), config_.fixed_frame, takers, watched);
   }
 }
 
@@ -182,9 +181,9 @@ void CollisionChecker::receiveTrajectory(
 }
 
 void CollisionChecker::receiveTransforms() {
-  const std::vector<std::string> roots = checker_->model()->rootFrames();
+  const std::vector<std::string>& roots = checker_->model()->rootFrames();
   for (std::size_t i = 0; i < roots.size(); ++i) {
-    const auto root = transforms_->newest(withoutSlash(config_.fixed_frame), roots[i]);
+    const auto root = transforms_->newest(config_.fixed_frame, roots[i]);
     if (root) checker_->setRootPose(i, root->stamp, root->pose, root->is_static);
   }
   placeExemptFrames();
@@ -192,16 +191,16 @@ void CollisionChecker::receiveTransforms() {
 
 void CollisionChecker::placeExemptFrames() {
   for (const std::string& frame : checker_->exemptFrames()) {
-    const auto place = transforms_->newest(withoutSlash(config_.fixed_frame), frame);
+    const auto place = transforms_->newest(config_.fixed_frame, frame);
     if (place) checker_->setExemptFrame(frame, place->stamp, place->pose, place->is_static);
   }
 }
 
 void CollisionChecker::placeRootsInFixedFrame() {
   // Where fixed frame and a root are one, no transform has to be heard.
-  const std::vector<std::string> roots = checker_->model()->rootFrames();
+  const std::vector<std::string>& roots = checker_->model()->rootFrames();
   for (std::size_t i = 0; i < roots.size(); ++i) {
-    if (roots[i] != withoutSlash(config_.fixed_frame)) continue;
+    if (roots[i] != config_.fixed_frame) continue;
     checker_->setRootPose(i, Time(), Pose::Identity(), true);
   }
 }
@@ -305,8 +304,8 @@ bool CollisionChecker::clockStalls() {
 void CollisionChecker::publishPermission() {
   published_ = verdict_->level;
   const ros::Time now = ros::Time::now();
-  tccm_monitor::MotionPermission permission;
-  permission.header.frame_id = withoutSlash(config_.fixed_frame);
+  tccm_monitor::MotionPermission& permission = permission_;
+  permission.header.frame_id = config_.fixed_frame;
   permission.header.stamp = now;
   permission.sequence = ++permissions_;
   permission.valid_until =
@@ -314,7 +313,10 @@ void CollisionChecker::publishPermission() {
   permission.level = static_cast<std::uint8_t>(verdict_->level);
   permission.permitted = !verdict_->stop;
   permission.speed_scale = verdict_->stop ? 0.0 : verdict_->speed_scale;
-  for (const Reason reason : verdict_->reasons) permission.reasons.emplace_back(name(reason));
+  permission.reasons.resize(verdict_->reasons.size());
+  for (std::size_t i = 0; i < verdict_->reasons.size(); ++i) {
+    permission.reasons[i] = name(verdict_->reasons[i]);
+  }
   permission.detail = verdict_->detail;
   permission_publisher_.publish(permission);
   publishValue<std_msgs::Bool>(stop_publisher_, verdict_->stop);
@@ -327,7 +329,7 @@ void CollisionChecker::publishPermission() {
 void CollisionChecker::publish() {
   publishPermission();
   tccm_monitor::MonitorStatus status = statusOf(*verdict_, *checker_);
-  status.header.frame_id = withoutSlash(config_.fixed_frame);
+  status.header.frame_id = config_.fixed_frame;
   status.scan_to_verdict_s = static_cast<float>(latencies_.scan_to_verdict_s);
   status.transform_wait_s = static_cast<float>(latencies_.transform_wait_s);
   status.ready_to_verdict_s = static_cast<float>(latencies_.ready_to_verdict_s);
@@ -339,12 +341,12 @@ void CollisionChecker::publishPictures() {
   if (verdict_ == &fault_) return;
   publishCheckedMap();
   if (marker_publisher_.getNumSubscribers() > 0) {
-    marker_publisher_.publish(toMarkers(*verdict_, *checker_, withoutSlash(config_.fixed_frame)));
+    marker_publisher_.publish(toMarkers(*verdict_, *checker_, config_.fixed_frame));
   }
   if (image_publisher_.getNumSubscribers() > 0 && verdict_->placed) {
     sensor_msgs::Image image = toImage(checker_->checkHere().occlusion().picture());
     image.header.stamp = toRos(verdict_->stamp);
-    image.header.frame_id = withoutSlash(config_.fixed_frame);
+    image.header.frame_id = config_.fixed_frame;
     image_publisher_.publish(image);
   }
 }
@@ -354,7 +356,7 @@ void CollisionChecker::publishCheckedMap() {
   // Of another map the cuboids are numbered otherwise.
   if (!checker_->map() || checker_->map()->serial != verdict_->serial) return;
   tccm_monitor::CuboidMap map;
-  toMessage(*checker_->map(), withoutSlash(config_.fixed_frame), map);
+  toMessage(*checker_->map(), config_.fixed_frame, map);
   const PublishedMap::ConstPtr& first = feeds_.front().published();
   map.attached_stamp = first ? first->attached_stamp : ros::Time();
   for (const auto& [cuboid, col] : flaggedBy(*verdict_)) {
@@ -369,7 +371,7 @@ void CollisionChecker::publishCheckedMap() {
 
 void CollisionChecker::publishOccupied() {
   if (occupied_publisher_.getNumSubscribers() == 0 || !checker_->map()) return;
-  toPoints(*checker_->map(), withoutSlash(config_.fixed_frame), occupied_);
+  toPoints(*checker_->map(), config_.fixed_frame, occupied_);
   occupied_publisher_.publish(occupied_);
 }
 

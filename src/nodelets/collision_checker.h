@@ -9,6 +9,7 @@
 #include <tccm_monitor/LiftExemption.h>
 #include <tccm_monitor/ListExemptions.h>
 #include <tccm_monitor/MonitorStatus.h>
+#include <tccm_monitor/MotionPermission.h>
 #include <tccm_monitor/ReportGoal.h>
 #include <tccm_monitor/ScanReport.h>
 #include <tccm_monitor/SetKeepOut.h>
@@ -109,10 +110,11 @@ class CollisionChecker : public DiagnosedNodelet {
   std::unique_ptr<Attachments> attachments_;
   std::unique_ptr<Tuning> tuning_;
   std::unique_ptr<TransformHistory> transforms_;
-  Verdict fault_;                     ///< stands in where no check could be made
-  const Verdict* verdict_ = &fault_;  ///< the last
-  std::list<SensorFeed> feeds_;       ///< in the sensors' order; they stay where they are
-  ScanReport report_;                 ///< the newest, reused
+  Verdict fault_;                              ///< stands in where no check could be made
+  const Verdict* verdict_ = &fault_;           ///< the last
+  std::list<SensorFeed> feeds_;                ///< in the sensors' order; they stay where they are
+  ScanReport report_;                          ///< the newest, reused
+  tccm_monitor::MotionPermission permission_;  ///< the last, reused
   ros::Publisher permission_publisher_, stop_publisher_, collision_publisher_, occlusion_publisher_,
       scale_publisher_, status_publisher_;
   ros::Publisher marker_publisher_, image_publisher_, checked_map_publisher_, occupied_publisher_;

@@ -62,7 +62,7 @@ class SensorFeed {
 
   void receiveMap(const PublishedMap::ConstPtr& published) {
     defect_ = published->defect;
-    if (defect_.empty() && withoutSlash(published->frame) != fixed_frame_) {
+    if (defect_.empty() && bareName(published->frame) != fixed_frame_) {
       defect_ = "its frame is '" + published->frame + "', fixed_frame is '" + fixed_frame_ + "'";
     }
     if (!defect_.empty()) {

@@ -21,7 +21,8 @@ class TiltScanAssembler : public AssemblerNodelet<AssemblerConfig, ScanStage, Sc
 
   void receiveScan(const sensor_msgs::LaserScan::ConstPtr& message) {
     noteArrival(message->header);
-    source().add(fromMessage(*message), message->header.frame_id, lastArrival());
+    fromMessage(*message, scan_);
+    source().add(scan_, message->header.frame_id, lastArrival());
     process();
   }
 
@@ -30,12 +31,12 @@ class TiltScanAssembler : public AssemblerNodelet<AssemblerConfig, ScanStage, Sc
     trace().forget();
     trace().note("scan and transforms are there");
     const std::string dropped =
-        stage().assemble(ready.scan, ready.T_fixed_sensor, ready.T_fixed_roots);
-    if (!dropped.empty()) return source().countDrop(ready.scan.stamp, dropped, "");
+        stage().assemble(*ready.scan, ready.T_fixed_sensor, ready.T_fixed_roots);
+    if (!dropped.empty()) return source().countDrop(ready.scan->stamp, dropped, "");
     trace().note("assembled");
     noteAssembled(ready, stage().scan().counts(), since);
     const auto cloud = clouds_.take();
-    toMessage(stage().scan(), withoutSlash(config().fixed_frame), *cloud);
+    toMessage(stage().scan(), config().fixed_frame, *cloud);
     cloud_publisher_.publish(sensor_msgs::PointCloud2::ConstPtr(cloud));
     trace().note("scan_cloud is published");
     trace().publish(cloud->header.stamp);
@@ -45,6 +46,7 @@ class TiltScanAssembler : public AssemblerNodelet<AssemblerConfig, ScanStage, Sc
   }
 
   MessagePool<sensor_msgs::PointCloud2> clouds_;
+  LaserScan scan_;
   ScanReturns returns_;
   ros::Publisher cloud_publisher_;
 };

@@ -262,17 +262,16 @@ std::vector<std::string> JointStates::missingJoints() const {
 void JointStates::lookForVelocityDefect(std::size_t joint) {
   const JointTrack& track = tracks_[joint];
   const JointSample& newest = track.newest(0);
-  const std::string owner = "joint '" + rules_[joint].variable.name + "' ";
-  if (!(std::abs(newest.velocity) <= kJointLargest)) {
-    velocity_defect_ = owner + "is published without a velocity";
-    return;
-  }
+  const auto tell = [&](const char* what) {
+    velocity_defect_ = "joint '" + rules_[joint].variable.name + "' is published " + what;
+  };
+  if (!(std::abs(newest.velocity) <= kJointLargest)) return tell("without a velocity");
   // When a joint comes to rest its last velocity alone is 0.
   if (track.size() < 2 || newest.velocity != 0.0 || track.newest(1).velocity != 0.0) return;
   const JointSample& before = track.newest(1);
   const double way = std::abs(track.moved(before.position, newest.position));
   if (way > kMoving * toSeconds(newest.stamp - before.stamp)) {
-    velocity_defect_ = owner + "is published with velocity 0 while it moves";
+    tell("with velocity 0 while it moves");
   }
 }
 

@@ -79,6 +79,7 @@ RobotModel::RobotModel(const std::string& urdf_text, const Config& config,
   }
   const JointFacts facts{config.fixed_joints, trustedAmong(namesOf(all_links), config)};
   tree_ = buildJointTree(*urdf.model, monitored, facts);
+  for (const std::size_t root : tree_.roots) root_frames_.push_back(frameOf(tree_.links[root]));
   frames_ = buildFrameTree(*urdf.model, facts);
   warnings_.insert(warnings_.end(), tree_.warnings.begin(), tree_.warnings.end());
   for (std::size_t i = 0; i < candidates.size(); ++i) add(candidates[i]->name, geometries[i]);
@@ -160,12 +161,6 @@ std::string RobotModel::Config::text() const {
 std::vector<std::string> RobotModel::rootLinks() const {
   std::vector<std::string> names;
   for (const std::size_t root : tree_.roots) names.push_back(tree_.links[root]);
-  return names;
-}
-
-std::vector<std::string> RobotModel::rootFrames() const {
-  std::vector<std::string> names;
-  for (const std::size_t root : tree_.roots) names.push_back(frameOf(tree_.links[root]));
   return names;
 }
 

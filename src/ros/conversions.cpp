@@ -79,8 +79,7 @@ ros::Duration toRos(Duration duration) {
   return ros::Duration().fromNSec(std::clamp(duration, -kLongest, kLongest).count());
 }
 
-LaserScan fromMessage(const sensor_msgs::LaserScan& message) {
-  LaserScan scan;
+void fromMessage(const sensor_msgs::LaserScan& message, LaserScan& scan) {
   scan.stamp = toTime(message.header.stamp);
   scan.angle_min = message.angle_min;
   scan.angle_increment = message.angle_increment;
@@ -91,7 +90,6 @@ LaserScan fromMessage(const sensor_msgs::LaserScan& message) {
   scan.range_min = message.range_min;
   scan.range_max = message.range_max;
   scan.ranges = message.ranges;
-  return scan;
 }
 
 JointTrajectory fromMessage(const trajectory_msgs::JointTrajectory& message) {

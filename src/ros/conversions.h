@@ -27,7 +27,8 @@ namespace tccm {
 [[nodiscard]] ros::Time toRos(Time time);
 [[nodiscard]] ros::Duration toRos(Duration duration);
 
-[[nodiscard]] LaserScan fromMessage(const sensor_msgs::LaserScan& message);
+/// @param scan reused.
+void fromMessage(const sensor_msgs::LaserScan& message, LaserScan& scan);
 
 /// One point for each beam, in the order they were measured: x, y, z (NaN where the beam gave no
 /// point for the map), vp_x, vp_y, vp_z (the sensor's origin at the beam's time), tilt [rad] and

@@ -1,16 +1,18 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
-#include <deque>
 #include <functional>
 #include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "base/duration_text.h"
 #include "monitor_config.h"
 #include "robot/joint_states.h"
+#include "ros/message_pool.h"
 #include "ros/transform_history.h"
 #include "scan/assembled_scan.h"
 #include "tccm_monitor/laser_scan.h"
@@ -19,14 +21,15 @@
 
 namespace tccm {
 
+using SharedScan = boost::shared_ptr<const LaserScan>;
 // What a source asks of what it holds.
-[[nodiscard]] inline Time stampOf(const LaserScan& scan) { return scan.stamp; }
-[[nodiscard]] inline Time firstTimeOf(const LaserScan& scan) { return scan.stamp; }
-[[nodiscard]] inline Time lastTimeOf(const LaserScan& scan) { return scan.lastBeamTime(); }
+[[nodiscard]] inline Time stampOf(const SharedScan& scan) { return scan->stamp; }
+[[nodiscard]] inline Time firstTimeOf(const SharedScan& scan) { return scan->stamp; }
+[[nodiscard]] inline Time lastTimeOf(const SharedScan& scan) { return scan->lastBeamTime(); }
 
 /// Holds scans, or clouds, until transforms (and joint states, where a robot is filtered out)
 /// around all of their beams are there, or it is clear that they will not come. Scans leave in the
-/// order they came in; nothing waits.
+/// order they came in; nothing waits. @tparam Scan is shared with whoever uses its memory again.
 template <typename Scan>
 class WaitingScans {
  public:
@@ -48,7 +51,6 @@ class WaitingScans {
   /// A scan with all that is needed to place its beams.
   struct Ready {
     Scan scan;
-    std::string frame;
     Time arrival;
     PosePath T_fixed_sensor;
     std::vector<PosePath> T_fixed_roots;
@@ -60,26 +62,32 @@ class WaitingScans {
   /// A scan that has a defect, is stamped in the future or has another frame than the one before
   /// is dropped here. @param defect why it cannot be used at all; empty where it can.
   void add(Scan scan, const std::string& frame, Time arrival, const std::string& defect) {
-    const std::string from = withoutSlash(frame), before = std::exchange(frame_, from);
+    const std::string_view from = bareName(frame);
+    const bool is_new = frame_ != from;
+    const std::string before = is_new ? std::exchange(frame_, std::string(from)) : std::string();
     const Time stamp = stampOf(scan);
     if (!defect.empty()) return countDrop(stamp, "malformed", defect);
-    if (!before.empty() && before != from) {
+    if (!before.empty()) {
       return countDrop(stamp, "frame_changed",
-                       "a scan's frame is '" + from + "', that of the scan before was '" + before +
-                           "': let each sensor have a topic of its own");
+                       "a scan's frame is '" + frame_ + "', that of the scan before was '" +
+                           before + "': let each sensor have a topic of its own");
     }
     if (stamp - arrival > fromSeconds(config_.future_max_s)) {
       return countDrop(stamp, "future_stamp", stampText(stamp, arrival));
     }
-    if (waiting_.size() == config_.waiting_max) {
-      const Ready& oldest = waiting_.front();
+    if (waiting() == config_.waiting_max) {
+      const Waiting& oldest = waiting_.front();
       countDrop(stampOf(oldest.scan), "no_transform", whyNotPlaced(oldest, arrival));
-      waiting_.pop_front();
+      popOldest();
     }
-    waiting_.push_back({std::move(scan), from, arrival, {}, {}});
+    if (waiting() == waiting_.size()) waiting_.emplace_back();
+    Waiting& newest = waiting_[waiting_count_++];
+    newest.scan = std::move(scan);
+    newest.frame = from;
+    newest.arrival = arrival;
   }
   void clear() {
-    waiting_.clear();
+    while (waiting() > 0) popOldest();
     frame_.clear();
   }
 
@@ -87,8 +95,8 @@ class WaitingScans {
   /// @param joints nothing where no robot is filtered out. @param now for how long a scan waited.
   [[nodiscard]] const Ready* next(const JointStates* joints, Time now) {
     const Duration wait_max = fromSeconds(config_.transform_wait_max_s);
-    for (; !waiting_.empty(); waiting_.pop_front()) {
-      Ready& scan = waiting_.front();
+    for (; waiting() > 0; popOldest()) {
+      Waiting& scan = waiting_.front();
       if (now < scan.arrival) {  // time began anew
         countDrop(stampOf(scan.scan), "time_jump", "time jumped back while it waited");
         continue;
@@ -96,8 +104,9 @@ class WaitingScans {
       const Status status = place(scan, joints);
       if (status == Status::kNotYet && now - scan.arrival <= wait_max) return nullptr;
       if (status == Status::kFound) {
-        ready_ = std::move(scan);
-        waiting_.pop_front();
+        ready_.scan = std::move(scan.scan);
+        ready_.arrival = scan.arrival;
+        popOldest();
         return &ready_;
       }
       const bool joints_missing = status == Status::kNotYet && !covers(joints, scan.scan);
@@ -112,7 +121,8 @@ class WaitingScans {
   }
   /// Drops what still waits. @param joints as for next().
   void drain(const JointStates* joints) {
-    for (const Ready& scan : waiting_) {
+    for (; waiting() > 0; popOldest()) {
+      const Waiting& scan = waiting_.front();
       if (!covers(joints, scan.scan)) {
         countDrop(stampOf(scan.scan), "no_joint_states",
                   "the recording ended before joint states around its beams came");
@@ -122,7 +132,6 @@ class WaitingScans {
       countDrop(stampOf(scan.scan), "no_transform",
                 unknown.empty() ? "the recording ended before its transforms came" : unknown);
     }
-    waiting_.clear();
   }
 
   /// How many scans were dropped, by reason.
@@ -134,10 +143,23 @@ class WaitingScans {
     ++dropped_count_;
     if (told_) told_({stamp, ScanReport::Outcome::kDropped, reason, detail});
   }
-  [[nodiscard]] std::size_t waiting() const { return waiting_.size(); }
+  [[nodiscard]] std::size_t waiting() const { return waiting_count_; }
 
  private:
   using Status = TransformHistory::Status;
+  struct Waiting {
+    Scan scan;
+    std::string frame;
+    Time arrival;
+  };
+
+  /// Its memory is kept for a later one.
+  void popOldest() {
+    waiting_.front().scan.reset();
+    const auto begin = waiting_.begin();
+    std::rotate(begin, begin + 1, begin + static_cast<std::ptrdiff_t>(waiting_count_));
+    --waiting_count_;
+  }
 
   static bool covers(const JointStates* joints, const Scan& scan) {
     if (!joints) return true;
@@ -146,39 +168,41 @@ class WaitingScans {
   }
 
   /// For people; empty where tf has both frames.
-  [[nodiscard]] std::string unknownFrame(const Ready& scan) const {
+  [[nodiscard]] std::string unknownFrame(const Waiting& scan) const {
     for (const std::string& frame : {scan.frame, config_.fixed_frame}) {
       if (!transforms_.hasFrame(frame)) return "tf has no frame '" + frame + "'";
     }
     return {};
   }
   /// For people.
-  [[nodiscard]] std::string whyNotPlaced(const Ready& scan, Time now) const {
+  [[nodiscard]] std::string whyNotPlaced(const Waiting& scan, Time now) const {
     std::string unknown = unknownFrame(scan);
     if (!unknown.empty()) return unknown;
     return "tf cannot place its frame '" + scan.frame + "' in '" + config_.fixed_frame +
            "' at its time; " + stampText(stampOf(scan.scan), now);
   }
 
-  /// Fills in the poses. @return kFound, kNotYet where waiting may help, or why it cannot.
-  [[nodiscard]] Status place(Ready& scan, const JointStates* joints) const {
+  /// Finds the poses of what is ready. @return kFound, kNotYet where waiting may help, or why it
+  /// cannot.
+  [[nodiscard]] Status place(const Waiting& scan, const JointStates* joints) {
     if (!covers(joints, scan.scan)) return Status::kNotYet;
     const auto placeFrame = [&](const std::string& frame, PosePath& path) {
       return transforms_.path(config_.fixed_frame, frame, firstTimeOf(scan.scan),
                               lastTimeOf(scan.scan), fromSeconds(config_.transform_sample_s), path);
     };
-    scan.T_fixed_roots.resize(root_frames_.size());
+    ready_.T_fixed_roots.resize(root_frames_.size());
     for (std::size_t i = 0; joints && i < root_frames_.size(); ++i) {
-      const Status status = placeFrame(root_frames_[i], scan.T_fixed_roots[i]);
+      const Status status = placeFrame(root_frames_[i], ready_.T_fixed_roots[i]);
       if (status != Status::kFound) return status;
     }
-    return placeFrame(scan.frame, scan.T_fixed_sensor);
+    return placeFrame(scan.frame, ready_.T_fixed_sensor);
   }
 
   Config config_;
   std::vector<std::string> root_frames_;
   const TransformHistory& transforms_;
-  std::deque<Ready> waiting_;
+  std::vector<Waiting> waiting_;  ///< from the oldest on; those past the count wait no more
+  std::size_t waiting_count_ = 0;
   Ready ready_;
   std::map<std::string, std::size_t> dropped_;
   std::size_t dropped_count_ = 0;
@@ -187,7 +211,7 @@ class WaitingScans {
 };
 
 /// Those of a laser.
-class ScanSource : public WaitingScans<LaserScan> {
+class ScanSource : public WaitingScans<SharedScan> {
  public:
   ScanSource(const AssemblerConfig& config, const std::vector<std::string>& root_frames,
              const TransformHistory& transforms)
@@ -198,12 +222,14 @@ class ScanSource : public WaitingScans<LaserScan> {
 
   /// A scan that cannot be projected at all, is stamped in the future or has another frame than the
   /// one before is dropped here.
-  void add(LaserScan scan, const std::string& frame, Time arrival) {
-    const std::string defect = defectOf(scan, beams_max_);
-    WaitingScans::add(std::move(scan), frame, arrival, defect);
+  void add(const LaserScan& scan, const std::string& frame, Time arrival) {
+    const boost::shared_ptr<LaserScan> copy = scans_.take();
+    *copy = scan;
+    WaitingScans::add(copy, frame, arrival, defectOf(scan, beams_max_));
   }
 
  private:
+  MessagePool<LaserScan> scans_;
   std::size_t beams_max_;
 };
 

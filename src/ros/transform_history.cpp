@@ -20,6 +20,7 @@ constexpr std::size_t kLongestChain = 1000;              // of frames; more is a
 constexpr Duration kJumpBack = std::chrono::seconds(1);  // more is time beginning anew
 // As long as tf2 keeps them.
 constexpr Duration kKept = std::chrono::seconds(tf2::BufferCore::DEFAULT_CACHE_TIME);
+constexpr Duration kKeptBeforeTidied = kKept * 5 / 4;
 
 /// Quaternions are often written with three digits. tf2 takes those for rotations and refuses what
 /// is further off, which is left as it is here.
@@ -35,38 +36,41 @@ void normalize(geometry_msgs::Quaternion& q) {
 }  // namespace
 
 void TransformHistory::add(const tf2_msgs::TFMessage& message, bool is_static) {
-  for (geometry_msgs::TransformStamped transform : message.transforms) {
-    transform.header.frame_id = withoutSlash(transform.header.frame_id);
-    transform.child_frame_id = withoutSlash(transform.child_frame_id);
-    normalize(transform.transform.rotation);
-    if (!knows(transform.header.frame_id) || !knows(transform.child_frame_id)) {
+  for (const geometry_msgs::TransformStamped& heard : message.transforms) {
+    transform_.header.stamp = heard.header.stamp;
+    transform_.header.frame_id = bareName(heard.header.frame_id);
+    transform_.child_frame_id = bareName(heard.child_frame_id);
+    transform_.transform = heard.transform;
+    normalize(transform_.transform.rotation);
+    const Frame* parent = frameOf(transform_.header.frame_id);
+    Frame* frame = frameOf(transform_.child_frame_id);
+    if (!parent || !frame) {
       ++passed_over_;
       continue;
     }
-    const Time stamp = toTime(transform.header.stamp);
-    const auto known = frames_.find(transform.child_frame_id);
-    const bool is_known = !is_static && known != frames_.end() && !known->second.stamps.empty();
-    if (is_known && known->second.stamps.back() - stamp > kJumpBack) clear();
-    if (!buffer_.setTransform(transform, "tccm_monitor", is_static)) continue;
-    Frame& frame = frames_[transform.child_frame_id];
+    const Time stamp = toTime(transform_.header.stamp);
+    std::vector<Time>& stamps = frame->stamps;
+    if (!is_static && !stamps.empty() && stamps.back() - stamp > kJumpBack) clear();
+    if (!buffer_.setTransform(transform_, "tccm_monitor", is_static)) continue;
     // Nothing is interpolated from one parent to another.
-    if (frame.parent != transform.header.frame_id) frame.stamps.clear();
-    frame.parent = transform.header.frame_id;
-    frame.is_static = is_static;
+    if (frame->parent != parent) stamps.clear();
+    frame->parent = parent;
+    frame->is_static = is_static;
     if (is_static) continue;
     // Usually at the end; several publishers may be out of step.
-    std::deque<Time>& stamps = frame.stamps;
     const auto at = std::upper_bound(stamps.begin(), stamps.end(), stamp);
     if (at == stamps.begin() || *(at - 1) != stamp) stamps.insert(at, stamp);
-    while (stamps.back() - stamps.front() > kKept) stamps.pop_front();
+    if (stamps.back() - stamps.front() > kKeptBeforeTidied) {
+      stamps.erase(stamps.begin(),
+                   std::lower_bound(stamps.begin(), stamps.end(), stamps.back() - kKept));
+    }
   }
 }
 
-bool TransformHistory::knows(const std::string& frame) {
-  if (names_.count(frame) > 0) return true;
-  if (names_.size() == kNamesMax) return false;
-  names_.insert(frame);
-  return true;
+TransformHistory::Frame* TransformHistory::frameOf(const std::string& name) {
+  const auto known = frames_.find(name);
+  if (known != frames_.end()) return &known->second;
+  return frames_.size() == kNamesMax ? nullptr : &frames_[name];
 }
 
 std::string TransformHistory::defect() const {
@@ -82,30 +86,41 @@ void TransformHistory::clear() {
   for (auto& entry : frames_) entry.second.stamps.clear();
 }
 
-std::vector<const TransformHistory::Frame*> TransformHistory::movingFrames(
-    const std::string& frame) const {
-  std::vector<const Frame*> moving;
-  auto above = frames_.find(frame);
-  for (std::size_t i = 0; above != frames_.end() && i < kLongestChain; ++i) {
-    if (!above->second.is_static) moving.push_back(&above->second);
-    above = frames_.find(above->second.parent);
-  }
-  return moving;
+std::size_t TransformHistory::depthOf(const Frame* frame) {
+  std::size_t depth = 0;
+  for (; frame && depth < kLongestChain; ++depth) frame = frame->parent;
+  return depth;
 }
 
-std::vector<const TransformHistory::Frame*> TransformHistory::movingFrames(
-    const std::string& target, const std::string& source) const {
-  std::vector<const Frame*> way = movingFrames(target), from_source = movingFrames(source);
+template <typename Visit>
+bool TransformHistory::visitMoving(const std::string& target, const std::string& source,
+                                   Visit&& visit) const {
+  const auto find = [this](const std::string& name) {
+    const auto known = frames_.find(name);
+    return known == frames_.end() ? nullptr : &known->second;
+  };
+  const Frame* const from_target = find(target);
+  const Frame* const from_source = find(source);
   // What both share lies above their common ancestor and takes no part.
-  while (!way.empty() && !from_source.empty() && way.back() == from_source.back()) {
-    way.pop_back();
-    from_source.pop_back();
+  const Frame *a = from_target, *b = from_source;
+  std::size_t above_a = depthOf(a), above_b = depthOf(b);
+  for (; above_a > above_b; --above_a) a = a->parent;
+  for (; above_b > above_a; --above_b) b = b->parent;
+  for (; a != b && above_a > 0; --above_a) {
+    a = a->parent;
+    b = b->parent;
   }
-  way.insert(way.end(), from_source.begin(), from_source.end());
-  return way;
+  const auto visitUpTo = [&visit](const Frame* frame, const Frame* end) {
+    for (std::size_t i = 0; frame && frame != end && i < kLongestChain;
+         ++i, frame = frame->parent) {
+      if (frame->parent && !frame->is_static && visit(*frame)) return true;
+    }
+    return false;
+  };
+  return visitUpTo(from_target, a) || visitUpTo(from_source, b);
 }
 
-Status TransformHistory::around(const std::deque<Time>& stamps, Time stamp, Duration gap_max) {
+Status TransformHistory::around(const std::vector<Time>& stamps, Time stamp, Duration gap_max) {
   const auto after = std::lower_bound(stamps.begin(), stamps.end(), stamp);
   if (after == stamps.end()) return Status::kNotYet;
   if (*after == stamp) return Status::kFound;
@@ -115,10 +130,12 @@ Status TransformHistory::around(const std::deque<Time>& stamps, Time stamp, Dura
 
 TransformHistory::Lookup TransformHistory::at(const std::string& target, const std::string& source,
                                               Time stamp, Duration gap_max) const {
-  for (const Frame* frame : movingFrames(target, source)) {
-    const Status status = around(frame->stamps, stamp, gap_max);
-    if (status != Status::kFound) return {status, Pose::Identity()};
-  }
+  Status status = Status::kFound;
+  const bool is_missing = visitMoving(target, source, [&](const Frame& frame) {
+    status = around(frame.stamps, stamp, gap_max);
+    return status != Status::kFound;
+  });
+  if (is_missing) return {status, Pose::Identity()};
   try {
     return {Status::kFound,
             Pose(tf2::transformToEigen(buffer_.lookupTransform(target, source, toRos(stamp))))};
@@ -150,8 +167,9 @@ std::optional<TransformHistory::Newest> TransformHistory::newest(const std::stri
   if (target == source) return Newest{Time(), Pose::Identity(), true};
   try {
     const auto transform = buffer_.lookupTransform(target, source, ros::Time(0));
+    const bool is_moving = visitMoving(target, source, [](const Frame&) { return true; });
     return Newest{toTime(transform.header.stamp), Pose(tf2::transformToEigen(transform)),
-                  movingFrames(target, source).empty()};
+                  !is_moving};
   } catch (const tf2::TransformException&) {
     return std::nullopt;
   }

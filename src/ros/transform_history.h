@@ -4,12 +4,10 @@
 #include <tf2/buffer_core.h>
 #include <tf2_msgs/TFMessage.h>
 
-#include <deque>
 #include <functional>
 #include <map>
 #include <optional>
 #include <string>
-#include <unordered_set>
 #include <vector>
 
 #include "base/frame_name.h"
@@ -29,7 +27,7 @@ class TransformHistory {
   void add(const tf2_msgs::TFMessage& message, bool is_static);
   void clear();
   /// Whether any transform, to it or from it, was heard of.
-  [[nodiscard]] bool hasFrame(const std::string& frame) const { return names_.count(frame) > 0; }
+  [[nodiscard]] bool hasFrame(const std::string& frame) const { return frames_.count(frame) > 0; }
   /// Why transforms were passed over, for people: of frames' names only so many are known, as tf2
   /// never forgets one. Empty where none was.
   [[nodiscard]] std::string defect() const;
@@ -72,25 +70,25 @@ class TransformHistory {
   }
 
  private:
-  /// One that has a parent.
   struct Frame {
-    std::string parent;
+    const Frame* parent = nullptr;  ///< none: the last one above
     bool is_static = false;
-    std::deque<Time> stamps;  ///< ascending; none where it is static
+    std::vector<Time> stamps;  ///< ascending; none where it is static
   };
-  /// Whether a frame may be known, from now on.
-  [[nodiscard]] bool knows(const std::string& frame);
-  /// Of a frame and those above it those that are not static.
-  [[nodiscard]] std::vector<const Frame*> movingFrames(const std::string& frame) const;
-  /// Those on the way from one to the other.
-  [[nodiscard]] std::vector<const Frame*> movingFrames(const std::string& target,
-                                                       const std::string& source) const;
-  [[nodiscard]] static Status around(const std::deque<Time>& stamps, Time stamp, Duration gap_max);
+  /// @return nothing where no more frames may be known.
+  [[nodiscard]] Frame* frameOf(const std::string& name);
+  /// How many frames lie above.
+  [[nodiscard]] static std::size_t depthOf(const Frame* frame);
+  /// Hands the frames that move on the way from target to source to visit(frame), the target's
+  /// first, until one says that it has seen enough. @return whether it did.
+  template <typename Visit>
+  bool visitMoving(const std::string& target, const std::string& source, Visit&& visit) const;
+  [[nodiscard]] static Status around(const std::vector<Time>& stamps, Time stamp, Duration gap_max);
 
   tf2::BufferCore buffer_;
   Duration gap_max_;
-  std::map<std::string, Frame> frames_;
-  std::unordered_set<std::string> names_;
+  std::map<std::string, Frame> frames_;        ///< never taken out, as in tf2
+  geometry_msgs::TransformStamped transform_;  ///< as handed to tf2, reused
   std::size_t passed_over_ = 0;
 };
 

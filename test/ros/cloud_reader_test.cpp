@@ -99,7 +99,8 @@ TEST(CloudReaderTest, ThePageOnSensorsHasTheTiltingHokuyosScanAndTimes) {
   message.range_max = 60.0F;
   message.ranges.assign(1081, 2.0F);
   message.intensities.assign(1081, 700.0F);
-  const LaserScan scan = fromMessage(message);
+  LaserScan scan;
+  fromMessage(message, scan);
   EXPECT_EQ(defectOf(scan, ScanAssembler().scan_beams_max), "");
   EXPECT_NEAR(toSeconds(scan.lastBeamTime() - scan.stamp), 1080 * 1.7361e-05, 1e-6);
   std::ifstream file(std::string(TCCM_SOURCE_DIR) + "/docs/sensors.md");

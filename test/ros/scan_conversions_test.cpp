@@ -14,6 +14,12 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 
 Time at(double seconds) { return Time(fromSeconds(seconds)); }
 
+LaserScan read(const sensor_msgs::LaserScan& message) {
+  LaserScan scan;
+  fromMessage(message, scan);
+  return scan;
+}
+
 sensor_msgs::LaserScan scanMessage() {
   sensor_msgs::LaserScan message;
   message.header.stamp = ros::Time(12, 345);
@@ -27,7 +33,7 @@ sensor_msgs::LaserScan scanMessage() {
 }
 
 TEST(LaserScanConversionTest, AScanKeepsItsNumbers) {
-  const LaserScan scan = fromMessage(scanMessage());
+  const LaserScan scan = read(scanMessage());
   EXPECT_EQ(scan.stamp, Time(Duration(12000000345LL)));
   EXPECT_EQ(scan.angle_min, -0.5);
   EXPECT_EQ(scan.angle_increment, 0.25);
@@ -40,14 +46,14 @@ TEST(LaserScanConversionTest, AnAbsurdTimeIncrementMakesADefectiveScan) {
   for (const double increment : {kNaN, kInf, -kInf, 1e30, -1e-4}) {
     sensor_msgs::LaserScan message = scanMessage();
     message.time_increment = static_cast<float>(increment);
-    EXPECT_NE(defectOf(fromMessage(message), 100), "") << increment;
+    EXPECT_NE(defectOf(read(message), 100), "") << increment;
   }
 }
 
 TEST(LaserScanConversionTest, WithoutATimeIncrementAllBeamsAreAtTheStamp) {
   sensor_msgs::LaserScan message = scanMessage();
   message.time_increment = 0.0F;
-  const LaserScan scan = fromMessage(message);
+  const LaserScan scan = read(message);
   EXPECT_EQ(defectOf(scan, 100), "");
   EXPECT_EQ(scan.lastBeamTime(), scan.stamp);
 }

@@ -70,7 +70,7 @@ TEST_F(ScanSourceTest, AScanLeavesOnceThereAreTransformsAroundAllItsBeams) {
   hear("laser", 1.03);
   const ScanSource::Ready* ready = source.next(nullptr, at(1.05));
   ASSERT_NE(ready, nullptr);
-  EXPECT_EQ(ready->scan.stamp, at(1.0));
+  EXPECT_EQ(ready->scan->stamp, at(1.0));
   ASSERT_TRUE(ready->T_fixed_sensor.covers(at(1.0), at(1.02)));
   EXPECT_NEAR(ready->T_fixed_sensor.at(at(1.01))->translation().x(), 1.01, 1e-9);
   EXPECT_EQ(source.waiting(), 0U);
@@ -86,7 +86,7 @@ TEST_F(ScanSourceTest, ScansLeaveInTheOrderTheyCame) {
   for (const double stamp : {1.0, 1.03, 1.06}) {
     const ScanSource::Ready* ready = source.next(nullptr, at(1.2));
     ASSERT_NE(ready, nullptr);
-    EXPECT_EQ(ready->scan.stamp, at(stamp));
+    EXPECT_EQ(ready->scan->stamp, at(stamp));
   }
   EXPECT_EQ(source.next(nullptr, at(1.2)), nullptr);
 }
@@ -104,7 +104,7 @@ TEST_F(ScanSourceTest, AScanThatWaitsTooLongIsDroppedAndTheNextLeaves) {
   EXPECT_EQ(source.next(nullptr, at(1.73)), nullptr);
   const ScanSource::Ready* ready = source.next(nullptr, at(1.74));
   ASSERT_NE(ready, nullptr);
-  EXPECT_EQ(ready->scan.stamp, at(1.03));
+  EXPECT_EQ(ready->scan->stamp, at(1.03));
   EXPECT_EQ(source.dropped().at("no_transform"), 1U);
 }
 
@@ -222,7 +222,7 @@ TEST_F(ScanSourceTest, WithoutEndlessMemoryTheOldestScanGoesFirst) {
   hearFromTo("laser", 1.0, 6.0);
   const ScanSource::Ready* ready = source.next(nullptr, at(5.5));
   ASSERT_NE(ready, nullptr);
-  EXPECT_EQ(ready->scan.stamp, at(1.0 + 0.03 * static_cast<double>(source.droppedCount())));
+  EXPECT_EQ(ready->scan->stamp, at(1.0 + 0.03 * static_cast<double>(source.droppedCount())));
 }
 
 TEST_F(ScanSourceTest, DrainingDropsAndCountsWhatWaits) {
