@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import platform
 import re
 import subprocess
 import tempfile
@@ -63,6 +64,17 @@ class DownstreamTest(unittest.TestCase):
         run("make", "-C", core, f"-j{os.cpu_count()}")
         run("cmake", "--install", core, "--prefix", installed)
         self.assert_watches(self.build("cmake_project", installed) / "watch_a_ball")
+
+    @unittest.skipUnless(platform.machine() == "x86_64", "other processors have other instructions")
+    def test_what_is_built_runs_on_a_processor_without_avx(self):
+        built = [path for path in (*DEVEL.glob("lib/*.so"), *DEVEL.glob("lib/tccm_monitor/*"))
+                 if path.read_bytes()[:4] == b"\x7fELF"]
+        self.assertGreater(len(built), 5)
+        for path in built:
+            with self.subTest(path=path.name):
+                code = run("objdump", "-d", "--no-show-raw-insn", path)
+                self.assertIn("%xmm0", code)
+                self.assertIsNone(re.search("%[yz]mm", code))
 
     def test_public_headers_need_nothing_beside_them(self):
         headers = sorted((REPOSITORY / "include/tccm_monitor").glob("*.h"))
