@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "base/line_of.h"
 
@@ -44,6 +45,26 @@ std::string defectOfAngles(const LaserScan& scan) {
       begin, beams, step, end, said);
 }
 
+/// Where the beams of scans of one kind leave: it is the same scan after scan.
+class Fan {
+ public:
+  const std::vector<Eigen::Vector2d>& directionsOf(const LaserScan& scan) {
+    const bool is_same = scan.angle_min == angle_min_ && scan.angle_increment == angle_increment_;
+    if (!is_same) directions_.clear();
+    angle_min_ = scan.angle_min;
+    angle_increment_ = scan.angle_increment;
+    while (directions_.size() < scan.ranges.size()) {
+      const double angle = angle_min_ + static_cast<double>(directions_.size()) * angle_increment_;
+      directions_.emplace_back(std::cos(angle), std::sin(angle));
+    }
+    return directions_;
+  }
+
+ private:
+  double angle_min_ = 0.0, angle_increment_ = 0.0;
+  std::vector<Eigen::Vector2d> directions_;
+};
+
 double elevationOfX(const Pose& T_fixed_sensor) {
   return std::asin(std::clamp(T_fixed_sensor.linear()(2, 0), -1.0, 1.0));
 }
@@ -80,15 +101,16 @@ bool project(const LaserScan& scan, const PosePath& T_fixed_sensor, AssembledSca
   result.stamp = scan.stamp;
   result.beams.clear();
   if (!T_fixed_sensor.covers(scan.stamp, scan.lastBeamTime())) return false;
+  thread_local Fan fan;  // reused
+  const std::vector<Eigen::Vector2d>& directions = fan.directionsOf(scan);
   Pose pose = *T_fixed_sensor.at(scan.stamp);
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
     Beam beam;
     beam.stamp = scan.beamTime(i);
     if (scan.time_increment > Duration::zero() && i > 0) pose = *T_fixed_sensor.at(beam.stamp);
-    const double angle = scan.angle_min + static_cast<double>(i) * scan.angle_increment;
     beam.kind = kindOf(scan.ranges[i], scan);
     const double range = rangeOf(beam.kind, scan.ranges[i], scan);
-    beam.p_fixed = pose * Vector3(range * std::cos(angle), range * std::sin(angle), 0.0);
+    beam.p_fixed = pose * Vector3(range * directions[i].x(), range * directions[i].y(), 0.0);
     beam.viewpoint = pose.translation();
     beam.tilt = elevationOfX(pose);
     result.beams.push_back(beam);

@@ -1,6 +1,7 @@
 #include "scan/scan_assembler.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "geometry/ray.h"
@@ -15,13 +16,45 @@ double unknownFraction(const AssembledScan& scan) {
   return static_cast<double>(unknown) / static_cast<double>(scan.beams.size());
 }
 
-/// Squared distance from p to the ray's part up to length.
-double squaredDistance(const Ray& ray, double length, const Vector3& p) {
-  const double along = std::clamp((p - ray.origin).dot(ray.direction), 0.0, length);
-  return (ray.at(along) - p).squaredNorm();
-}
-
 }  // namespace
+
+/// Which of a body's shapes a beam may have to do with, for all of them at once: most beams pass by
+/// most shapes.
+class BodyFilter::Reach {
+ public:
+  void enclose(const Body& body, double grazing_m) {
+    const auto count = static_cast<Eigen::Index>(body.shapes.size());
+    for (Eigen::ArrayXd& centre : centres_) centre.resize(count);
+    far_squared_.resize(count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        centres_[axis](i) = body.poses[k].translation()[static_cast<Eigen::Index>(axis)];
+      }
+      const double far =
+          boundingRadius(body.shapes[k]) + std::max(body.paddings_m[k], 2.0 * grazing_m);
+      far_squared_(i) = far * far;
+    }
+  }
+  /// Looks along the ray's part up to length.
+  void look(const Ray& ray, double length) {
+    const Vector3 &o = ray.origin, &d = ray.direction;
+    const auto& [x, y, z] = centres_;
+    along_ =
+        ((x - o.x()) * d.x() + ((y - o.y()) * d.y() + (z - o.z()) * d.z())).max(0.0).min(length);
+    beyond_ = (o.x() + along_ * d.x() - x).square() +
+              ((o.y() + along_ * d.y() - y).square() + (o.z() + along_ * d.z() - z).square()) -
+              far_squared_;
+  }
+  [[nodiscard]] bool isNear(std::size_t shape) const {
+    return !(beyond_(static_cast<Eigen::Index>(shape)) > 0.0);
+  }
+
+ private:
+  std::array<Eigen::ArrayXd, 3> centres_;
+  Eigen::ArrayXd far_squared_;
+  Eigen::ArrayXd along_, beyond_;  ///< of the last look
+};
 
 void MixedPixelFilter::describe(ParameterTable& table) {
   table.add("mixed_pixel_separation_m", &separation_m, "m", {0.0, 10.0},
@@ -61,16 +94,20 @@ void BodyFilter::apply(const std::vector<BodySample>& samples, AssembledScan& sc
   scan.self_counts.clear();
   if (samples.empty()) return;
   scan.self_counts.resize(samples.front().body.shapes.size());
+  thread_local Reach reach;  // reused
+  reach.enclose(samples.front().body, grazing_m);
   std::size_t nearest = 0;
   for (Beam& beam : scan.beams) {
+    const std::size_t before = nearest;
     const auto gap = [&](std::size_t k) { return std::chrono::abs(samples[k].stamp - beam.stamp); };
     while (nearest + 1 < samples.size() && gap(nearest + 1) <= gap(nearest)) ++nearest;
+    if (nearest != before) reach.enclose(samples[nearest].body, grazing_m);
     if (beam.kind != BeamKind::kReturn) continue;
-    beam.kind = classify(beam, samples[nearest].body, scan.self_counts);
+    beam.kind = classify(beam, samples[nearest].body, reach, scan.self_counts);
   }
 }
 
-BeamKind BodyFilter::classify(const Beam& beam, const Body& body,
+BeamKind BodyFilter::classify(const Beam& beam, const Body& body, Reach& reach,
                               std::vector<std::size_t>& self_counts) const {
   const auto own = [&self_counts](std::size_t shape) {
     ++self_counts[shape];
@@ -80,12 +117,12 @@ BeamKind BodyFilter::classify(const Beam& beam, const Body& body,
   const double range = sight.norm();
   const Ray ray{beam.viewpoint, sight / range};
   BeamKind kind = BeamKind::kReturn;
+  reach.look(ray, range + range_tolerance_m);
   for (std::size_t i = 0; i < body.shapes.size(); ++i) {
+    if (!reach.isNear(i)) continue;
     const Shape& shape = body.shapes[i];
     const Pose& pose = body.poses[i];
     const double padding = body.paddings_m[i];
-    const double far = boundingRadius(shape) + std::max(padding, 2.0 * grazing_m);
-    if (squaredDistance(ray, range + range_tolerance_m, pose.translation()) > far * far) continue;
     const Pose T_shape_fixed = pose.inverse();
     if (distance(shape, T_shape_fixed * beam.p_fixed) <= padding) return own(i);
     if (distance(shape, T_shape_fixed * beam.viewpoint) == 0.0) continue;

@@ -37,8 +37,9 @@ struct BodyFilter {
   void apply(const std::vector<BodySample>& samples, AssembledScan& scan) const;
 
  private:
+  class Reach;
   /// @param self_counts of the shape that it is taken for grows by one.
-  [[nodiscard]] BeamKind classify(const Beam& beam, const Body& body,
+  [[nodiscard]] BeamKind classify(const Beam& beam, const Body& body, Reach& reach,
                                   std::vector<std::size_t>& self_counts) const;
 };
 
