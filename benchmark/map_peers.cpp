@@ -155,6 +155,7 @@ std::vector<Contestant> contestantsFor(const Stream& stream, const Setting& sett
   const auto mapper = std::make_shared<OurMapper>(config, window, stream);
   contestants.emplace_back("its looks, hold, snapshot too",
                            [mapper](std::size_t i) { mapper->add(i); });
+  add("transform and cells alone", std::make_shared<peers::CellsAlone>(grid));
   add("flat counters", std::make_shared<peers::FlatCounters>(grid, config.thickness_m));
   add("hash table of voxels", std::make_shared<peers::VoxelTable>(grid, config.thickness_m));
   if (!with_slow) return contestants;

@@ -15,6 +15,28 @@ namespace tccm::peers {
 
 using Points = std::vector<Vector3>;
 
+/// Below this nothing can be: each return is taken to the fixed frame, and its cell and height are
+/// found. Nothing is kept.
+class CellsAlone {
+ public:
+  explicit CellsAlone(const Grid& grid) : grid_(grid) {}
+
+  void add(const Points& points) {
+    for (const Vector3& p : points) {
+      const auto place = grid_.place(T_fixed_sensor_ * p);
+      if (place) sum_ += place->cell + static_cast<std::uint64_t>(place->height);
+    }
+  }
+  void expireOldest() {}
+  [[nodiscard]] static std::size_t scans() { return 0; }
+  [[nodiscard]] std::uint64_t sum() const { return sum_; }
+
+ private:
+  Grid grid_;
+  Pose T_fixed_sensor_ = Pose::Identity();
+  std::uint64_t sum_ = 0;
+};
+
 /// What a map of the same window could be at least: a counter for each voxel of the area, one up
 /// for each return that comes and one down for each that leaves. No cuboids, no ages.
 class FlatCounters {
