@@ -83,6 +83,7 @@ void NewestLooks::finishBand() {
 /// Neighbouring beams are nearer to each other than pixels: those that follow one another in a
 /// pixel are added as one.
 void NewestLooks::addOutlines(std::uint32_t serial, const std::vector<Look>& looks) {
+  PixelFollower follower(grid_);
   std::size_t pixel = grid_.pixels();
   float nearest = kNone;
   for (const Look& look : looks) {
@@ -91,10 +92,10 @@ void NewestLooks::addOutlines(std::uint32_t serial, const std::vector<Look>& loo
     const double distance = sight.norm();
     if (!(distance > kNearestLook)) continue;  // NaN, too
     widenBand(look.viewpoint, sight / distance);
-    const std::size_t own = nearest == kNone ? grid_.pixelOf(sight) : grid_.pixelNear(pixel, sight);
-    if (own != pixel) {
+    follower.follow(sight);
+    if (follower.pixel() != pixel) {
       if (nearest != kNone) addOutline(pixel, nearest, serial);
-      pixel = own;
+      pixel = follower.pixel();
       nearest = kNone;
     }
     nearest = std::min(nearest, static_cast<float>(distance));
@@ -117,7 +118,7 @@ void NewestLooks::addOutline(std::size_t pixel, float distance, std::uint32_t se
 
 void NewestLooks::addLines(std::uint32_t serial, const std::vector<Look>& looks,
                            std::uint32_t outline_scans) {
-  std::size_t pixel = 0;
+  PixelFollower follower(grid_);
   for (const Look& look : looks) {
     if (look.what == Seen::kRobot) continue;
     const Vector3 sight = look.end - look.viewpoint;
@@ -126,7 +127,8 @@ void NewestLooks::addLines(std::uint32_t serial, const std::vector<Look>& looks,
     const Vector3 direction = sight / range;
     widenBand(look.viewpoint, direction);
     if (look.what == Seen::kUnclear) continue;
-    pixel = grid_.pixelNear(pixel, sight);
+    follower.follow(sight);
+    const std::size_t pixel = follower.pixel();
     looked_.insert(pixel);
     Line& line = lines_[pixel];
     // Of one scan the look that saw the farthest.
