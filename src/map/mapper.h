@@ -65,7 +65,7 @@ class Hold {
   }
   void askWhereChanged(const LookMap& looks);
   void releaseSeen(const ScanReturns& scan, const IntegrationMap& map, const LookImage& looks);
-  [[nodiscard]] bool mayBeInView(const HeldLayer::Interval& held, const HeldLayer::Glance& glance,
+  [[nodiscard]] bool mayBeInView(const HeldLayer::Interval& held, const Glance& glance,
                                  const LookImage& looks) const;
   [[nodiscard]] std::uint32_t heldAround(const Grid& grid, CellIndex cell,
                                          Columns::Heights heights) const;

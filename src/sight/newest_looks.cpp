@@ -80,6 +80,12 @@ void NewestLooks::finishBand() {
            static_cast<float>(angles)};
 }
 
+void NewestLooks::maySeeLast(const float* x, const float* y, const float* z, std::size_t count,
+                             std::uint32_t* may) const {
+  const Last last = last_;
+  for (std::size_t i = 0; i < count; ++i) may[i] = last.mayHave(x[i], y[i], z[i]) ? 1 : 0;
+}
+
 /// Neighbouring beams are nearer to each other than pixels: those that follow one another in a
 /// pixel are added as one.
 void NewestLooks::addOutlines(std::uint32_t serial, const std::vector<Look>& looks) {
