@@ -95,7 +95,7 @@ bool PlaceAges::isKept(const Place& place, const IntegrationMap& map, const Look
   const bool is_seen = returnsAt(map, place) > 0;
   if (known_[i] == 0) {
     known_[i] = is_seen ? 1 : 0;
-  } else if (looks.inViewSince(seenAround(place.layer, map), middleOf(place), -kThrough)) {
+  } else if (wasLookedThrough(place, map, looks)) {
     known_[i] = 0;
   } else if (known_[i] < kOldest) {
     ++known_[i];
@@ -106,6 +106,14 @@ bool PlaceAges::isKept(const Place& place, const IntegrationMap& map, const Look
     age_[i] = 0;
   }
   return known_[i] > 0 || is_seen;
+}
+
+/// Since it was seen last. Most never were: of these it need not be known when that was.
+bool PlaceAges::wasLookedThrough(const Place& place, const IntegrationMap& map,
+                                 const LookImage& looks) const {
+  const Vector3 middle = middleOf(place);
+  return looks.inViewSince(Time::min(), middle, -kThrough) &&
+         looks.inViewSince(seenAround(place.layer, map), middle, -kThrough);
 }
 
 std::size_t PlaceAges::layerOf(Height height, const IntegrationMap& map) const {

@@ -69,6 +69,8 @@ class PlaceAges {
   [[nodiscard]] std::uint32_t returnsAt(const IntegrationMap& map, const Place& place) const;
   void judge(CellIndex cell, const IntegrationMap& map, const LookImage& looks);
   [[nodiscard]] bool isKept(const Place& place, const IntegrationMap& map, const LookImage& looks);
+  [[nodiscard]] bool wasLookedThrough(const Place& place, const IntegrationMap& map,
+                                      const LookImage& looks) const;
   [[nodiscard]] Time seenAround(std::size_t layer, const IntegrationMap& map) const;
   [[nodiscard]] Age ageAround(const Place& place, const IntegrationMap& map);
   void gatherAround(const Place& place, const IntegrationMap& map);
