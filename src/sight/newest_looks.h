@@ -63,7 +63,15 @@ class NewestLooks {
     std::uint32_t serial = 0;
   };
   void addOutlines(std::uint32_t serial, const std::vector<Look>& looks);
-  void addOutline(std::size_t pixel, float distance, std::uint32_t serial);
+  /// A pixel that looks ended on the robot in, one after another: the nearest.
+  struct RobotPixel {
+    int row = 0, column = 0;
+    float distance = std::numeric_limits<float>::max();
+  };
+  /// @param before and after it: what is beside them, too, is left to the nearer one.
+  void addOutline(const RobotPixel& before, const RobotPixel& at, const RobotPixel& after,
+                  std::uint32_t serial);
+  void addOutline(std::size_t beside, float distance, std::uint32_t serial);
   void addLines(std::uint32_t serial, const std::vector<Look>& looks, std::uint32_t outline_scans);
   void beginBand(const std::vector<Look>& looks);
   void widenBand(const Vector3& viewpoint, const Vector3& direction);
