@@ -73,7 +73,7 @@ class Way {
   void map() { require(mapper_.add(returns_).dropped); }
   void publish() {
     mapper_.snapshot(snapshot_);
-    ages_.apply(mapper_.map(), snapshot_);
+    mapper_.apply(ages_, snapshot_);
     toMessage(snapshot_, "base", published_);
   }
   void follow() { ages_.follow(mapper_.map(), mapper_.looks()); }

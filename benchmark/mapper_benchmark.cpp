@@ -45,7 +45,7 @@ class Way {
   void add() { benchmark::DoNotOptimize(mapper_.add(scan_)); }
   /// Into one of two in turn.
   void snapshot() { mapper_.snapshot(map()); }
-  void apply() { ages_.apply(mapper_.map(), map()); }
+  void apply() { mapper_.apply(ages_, map()); }
   void follow() { ages_.follow(mapper_.map(), mapper_.looks()); }
 
   CuboidMap& map() { return maps_[next_ % maps_.size()]; }

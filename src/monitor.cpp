@@ -50,7 +50,7 @@ struct Monitor::Stages {
       mapper.reserve(*maps[newest]);
     }
     mapper.snapshot(*maps[newest]);
-    ages.apply(mapper.map(), *maps[newest]);
+    mapper.apply(ages, *maps[newest]);
     return maps[newest];
   }
 

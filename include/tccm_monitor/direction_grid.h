@@ -70,8 +70,6 @@ class DirectionGrid {
   [[nodiscard]] int columnFrom(int column, const Eigen::Vector2d& direction) const;
   /// The pixel of a direction of any length above 0.
   [[nodiscard]] std::size_t pixelOf(const Vector3& direction) const;
-  /// The same, and sooner where it is that one.
-  [[nodiscard]] std::size_t pixelNear(std::size_t pixel, const Vector3& direction) const;
 
   /// Of the elevation in the middle of a row.
   [[nodiscard]] double cosine(int row) const { return cosines_[static_cast<std::size_t>(row)]; }
@@ -89,6 +87,13 @@ class DirectionGrid {
   [[nodiscard]] Vector3 middle(std::size_t pixel) const {
     const int row = rowOfPixel(pixel);
     return middle(row, columnOfPixel(pixel, row));
+  }
+  /// Tangent of a row's lower border, and direction of a column's right border.
+  [[nodiscard]] double rowBorder(int row) const {
+    return row_borders_[static_cast<std::size_t>(row)];
+  }
+  [[nodiscard]] const Eigen::Vector2d& columnBorder(int column) const {
+    return column_borders_[static_cast<std::size_t>(column)];
   }
   /// The column of a pixel in that row.
   [[nodiscard]] int columnOfPixel(std::size_t pixel, int row) const {
@@ -163,25 +168,68 @@ inline int DirectionGrid::columnFrom(int column, const Eigen::Vector2d& directio
   return column;
 }
 
-inline std::size_t DirectionGrid::pixelNear(std::size_t pixel, const Vector3& direction) const {
-  const int row = rowOfPixel(pixel), column = columnOfPixel(pixel, row);
-  const Eigen::Vector2d level = direction.head<2>();
-  const auto slopes = &row_borders_[static_cast<std::size_t>(row)];
-  const auto borders = &column_borders_[static_cast<std::size_t>(column)];
-  // Not where a border is at an end of the tables.
-  const bool is_inner = row + 1 < rows_ && column > 0 && column + 1 < columns_;
-  if (is_inner && directions::cross(borders[0], level) >= 0.0 &&
-      directions::cross(borders[1], level) < 0.0) {
-    const double length = level.norm();
-    if (direction.z() >= length * slopes[0] && direction.z() < length * slopes[1]) return pixel;
-  }
-  return pixelOf(direction);
-}
-
 inline std::size_t DirectionGrid::pixelOf(const Vector3& direction) const {
   const double level = direction.head<2>().norm();
   if (level == 0.0) return index(direction.z() < 0.0 ? 0 : rows_ - 1, 0);
   return index(rowOfSlope(level, direction.z()), columnOfDirection(direction.head<2>()));
 }
+
+/// Finds the pixels of directions that follow one another and mostly stay in a pixel or go on to
+/// one beside it, as those of beams side by side do: what tells that they do is at hand.
+class PixelFollower {
+ public:
+  explicit PixelFollower(const DirectionGrid& grid) : grid_(grid) { moveTo(0, 0); }
+
+  [[nodiscard]] std::size_t pixel() const { return pixel_; }
+  [[nodiscard]] Vector3 middle() const { return grid_.middle(row_, column_); }
+  /// To the pixel of a direction of any length above 0.
+  void follow(const Vector3& direction) {
+    const Eigen::Vector2d level = direction.head<2>();
+    const double length = level.norm();
+    Step step = stepTo(level, length, direction.z());
+    if (is_inner_ && step.rows == 0 && step.columns == 0) return;
+    if (is_inner_) {
+      moveTo(row_ + step.rows, column_ + step.columns);
+      step = stepTo(level, length, direction.z());
+    }
+    if (is_inner_ && step.rows == 0 && step.columns == 0) return;
+    const std::size_t pixel = grid_.pixelOf(direction);
+    const int row = grid_.rowOfPixel(pixel);
+    moveTo(row, grid_.columnOfPixel(pixel, row));
+  }
+
+ private:
+  struct Step {
+    int rows, columns;
+  };
+  /// On which side of the pixel a direction lies.
+  [[nodiscard]] Step stepTo(const Eigen::Vector2d& level, double length, double height) const {
+    // Of what lies behind it both are true.
+    const bool is_right = directions::cross(right_, level) < 0.0;
+    const bool is_left = directions::cross(left_, level) >= 0.0;
+    const int below = height >= length * low_ ? 0 : 1;
+    const int above = height < length * high_ ? 0 : 1;
+    return {above - below, is_right ? -1 : is_left ? 1 : 0};
+  }
+  void moveTo(int row, int column) {
+    row_ = row;
+    column_ = column;
+    pixel_ = grid_.index(row, column);
+    // Not where a border is at an end of the tables.
+    is_inner_ = row > 0 && row + 1 < grid_.rows() && column > 0 && column + 1 < grid_.columns();
+    if (!is_inner_) return;
+    right_ = grid_.columnBorder(column);
+    left_ = grid_.columnBorder(column + 1);
+    low_ = grid_.rowBorder(row);
+    high_ = grid_.rowBorder(row + 1);
+  }
+
+  const DirectionGrid& grid_;
+  std::size_t pixel_ = 0;
+  int row_ = 0, column_ = 0;
+  bool is_inner_ = false;
+  Eigen::Vector2d right_ = Eigen::Vector2d::Zero(), left_ = Eigen::Vector2d::Zero();
+  double low_ = 0.0, high_ = 0.0;
+};
 
 }  // namespace tccm

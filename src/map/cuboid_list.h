@@ -18,27 +18,30 @@ namespace tccm {
 /// have not changed since are not gone through again, and of their cuboids only the ages are new.
 class CuboidList {
  public:
+  /// As in Cuboid, in its order: they are copied together.
   struct Entry {
     Entry(CellIndex the_cell, bool is_held, Columns::Heights heights, std::uint32_t the_points,
           std::uint32_t born_at, Time seen_at)
-        : cell(the_cell & 0x7FFFFFFFU),
-          held(is_held),
+        : cell(the_cell),
           bottom(heights.bottom),
           top(heights.top),
           points(the_points),
           born(born_at),
+          held(is_held),
           seen(seen_at) {}
-    std::uint32_t cell : 31;
-    std::uint32_t held : 1;
+    CellIndex cell;
     Height bottom;
     Height top;
     std::uint32_t points;
-    std::uint32_t born;  ///< serial of the scan from which on something was seen here
-    Time seen;           ///< last
+    std::uint32_t born;     ///< serial of the scan from which on something was seen here
+    std::uint32_t dyn = 0;  ///< as it was told last
+    bool held;
+    Time seen;  ///< last
   };
 
   /// Allocates all that it will ever use.
-  CuboidList(CellIndex cells, std::size_t entries_max) : begin_(cells + 1, 0), changed_(cells) {
+  CuboidList(CellIndex cells, std::size_t entries_max)
+      : begin_(cells + 1, 0), changed_(cells), untold_(cells) {
     entries_.reserve(entries_max);
     next_.reserve(entries_max);
   }
@@ -51,8 +54,13 @@ class CuboidList {
   /// Writes the map's cuboids, but for what others tell of them, and their index.
   /// @param serial, @param now of the newest scan.
   void write(CuboidMap& map, std::uint32_t serial, Time now) const;
+  /// Of the cuboids in cells that were listed anew since this was last called, and in others, dyn
+  /// becomes what dynOf (Cuboid) says; all others keep theirs. @param map as written last.
+  template <typename DynOf>
+  void tellDyn(const IndexSet& others, CuboidMap& map, DynOf&& dynOf);
   [[nodiscard]] std::size_t memoryBytes() const {
-    return bytesOf(entries_, next_) + bytesOf(begin_) + changed_.memoryBytes();
+    return bytesOf(entries_, next_) + bytesOf(begin_) + changed_.memoryBytes() +
+           untold_.memoryBytes();
   }
 
  private:
@@ -62,6 +70,7 @@ class CuboidList {
   std::vector<Entry> next_;           ///< those after an update
   std::vector<std::uint32_t> begin_;  ///< as CuboidMap::cell_begin
   IndexSet changed_;
+  IndexSet untold_;  ///< cells that were listed since tellDyn()
 };
 
 template <typename List>
@@ -80,7 +89,20 @@ void CuboidList::update(List&& list) {
   carryOver(from, cells);
   begin_[cells] = static_cast<std::uint32_t>(next_.size());
   std::swap(entries_, next_);
+  untold_.insert(changed_);
   changed_.clear();
+}
+
+template <typename DynOf>
+void CuboidList::tellDyn(const IndexSet& others, CuboidMap& map, DynOf&& dynOf) {
+  untold_.insert(others);
+  untold_.visit([&](std::size_t cell) {
+    for (std::uint32_t i = begin_[cell]; i < begin_[cell + 1]; ++i) {
+      Cuboid& cuboid = map.cuboids[i];
+      entries_[i].dyn = cuboid.dyn = dynOf(static_cast<const Cuboid&>(cuboid));
+    }
+  });
+  untold_.clear();
 }
 
 /// The cells from one up to, but not including, another.
@@ -103,10 +125,10 @@ inline void CuboidList::write(CuboidMap& map, std::uint32_t serial, Time now) co
     cuboid.bottom = entry.bottom;
     cuboid.top = entry.top;
     cuboid.points = entry.points;
-    cuboid.age_scans = serial - entry.born;
-    cuboid.dyn = 0;
-    cuboid.held = entry.held != 0;
+    cuboid.dyn = entry.dyn;
+    cuboid.held = entry.held;
     cuboid.appeared = false;
+    cuboid.age_scans = serial - entry.born;
     cuboid.unseen_ms = static_cast<std::uint32_t>(std::clamp<std::int64_t>(unseen_ms, 0, kMost));
   }
   map.cell_begin = begin_;

@@ -14,6 +14,60 @@
 
 namespace tccm {
 
+/// What is looked at with each scan of all that is held, kept apart from the rest.
+struct Glance {
+  [[nodiscard]] bool isKnown() const { return place.x() == place.x(); }
+  /// NaN where nothing is known.
+  Eigen::Vector3f place = Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
+  float range = 0.0F;
+  std::uint32_t direction = 0;
+  std::uint32_t since_ms = 0;
+};
+
+/// Many of them, each member in a row of its own: several are compared at once.
+class Glances {
+ public:
+  void reserve(std::size_t count) {
+    for (auto* floats : {&x_, &y_, &z_, &range_}) floats->reserve(count);
+    for (auto* numbers : {&direction_, &since_ms_}) numbers->reserve(count);
+  }
+  [[nodiscard]] Glance get(std::size_t i) const {
+    return {{x_[i], y_[i], z_[i]}, range_[i], direction_[i], since_ms_[i]};
+  }
+  void set(std::size_t i, const Glance& glance) {
+    x_[i] = glance.place.x();
+    y_[i] = glance.place.y();
+    z_[i] = glance.place.z();
+    range_[i] = glance.range;
+    direction_[i] = glance.direction;
+    since_ms_[i] = glance.since_ms;
+  }
+  /// Adds one of which nothing is known.
+  void add() {
+    resize(x_.size() + 1);
+    set(x_.size() - 1, Glance());
+  }
+  void dropLast() { resize(x_.size() - 1); }
+
+  [[nodiscard]] const float* x() const { return x_.data(); }
+  [[nodiscard]] const float* y() const { return y_.data(); }
+  [[nodiscard]] const float* z() const { return z_.data(); }
+  [[nodiscard]] const std::uint32_t* directions() const { return direction_.data(); }
+  [[nodiscard]] const std::uint32_t* sinceMs() const { return since_ms_.data(); }
+  [[nodiscard]] std::size_t memoryBytes() const {
+    return bytesOf(x_, y_, z_, range_) + bytesOf(direction_, since_ms_);
+  }
+
+ private:
+  void resize(std::size_t count) {
+    for (auto* floats : {&x_, &y_, &z_, &range_}) floats->resize(count);
+    for (auto* numbers : {&direction_, &since_ms_}) numbers->resize(count);
+  }
+
+  std::vector<float> x_, y_, z_, range_;
+  std::vector<std::uint32_t> direction_, since_ms_;
+};
+
 /// What left the window while nobody looked at its place: where the robot's own arm hides an
 /// object, nothing says that the object has gone. A layer of its own beside the live map; the two
 /// never overlap.
@@ -29,17 +83,6 @@ class HeldLayer {
     Time seen;   ///< stamp of that scan
     Time since;  ///< when it left the window
   };
-  /// What releaseIf() is shown of each interval, kept apart from the rest, as all are looked at
-  /// with each scan: little memory to go through. The owner writes it. Where the interval is new,
-  /// or its heights have changed, nothing is known.
-  struct Glance {
-    static constexpr std::uint32_t kUnknown = 0xFFFFFFFFU;
-    Eigen::Vector3f place = Eigen::Vector3f::Zero();
-    float range = 0.0F;
-    std::uint32_t direction = kUnknown;
-    std::uint32_t since_ms = 0;
-  };
-
   /// Allocates all that it will ever use.
   HeldLayer(CellIndex cells, std::size_t intervals_max)
       : first_(cells, kNone), changed_(cells), intervals_max_(intervals_max) {
@@ -58,9 +101,13 @@ class HeldLayer {
   /// @return as seen().
   template <typename HeightsOf>
   [[nodiscard]] bool cut(HeightsOf&& heightsOf);
-  /// Lets go of those that isOver (const Interval&, Glance&) says so of.
-  template <typename IsOver>
-  void releaseIf(IsOver&& isOver);
+  static constexpr std::size_t kBlock = 64;
+  /// Lets go of those that isOver (const Interval&, Glance&) says so of. It may write the glance;
+  /// where an interval is new, or its heights have changed, nothing is known of it.
+  /// @param mayBeOver (const Glances&, begin, end): which ones of up to kBlock have to be asked
+  /// about, the first one's bit the lowest. All are looked at with each scan: it has to be quick.
+  template <typename MayBeOver, typename IsOver>
+  void releaseIf(MayBeOver&& mayBeOver, IsOver&& isOver);
   void clear() {
     while (!intervals_.empty()) remove(intervals_.size() - 1);
   }
@@ -82,7 +129,8 @@ class HeldLayer {
     changed_.clear();
   }
   [[nodiscard]] std::size_t memoryBytes() const {
-    return bytesOf(first_, intervals_) + bytesOf(glances_, links_) + changed_.memoryBytes();
+    return bytesOf(first_, intervals_) + glances_.memoryBytes() + bytesOf(links_) +
+           changed_.memoryBytes();
   }
 
  private:
@@ -100,7 +148,7 @@ class HeldLayer {
 
   std::vector<std::uint32_t> first_;  ///< by cell: its lowest, or kNone
   std::vector<Interval> intervals_;   ///< without gaps: the last one fills what is left
-  std::vector<Glance> glances_;       ///< of the same, here and below
+  Glances glances_;                   ///< of the same, here and below
   std::vector<Link> links_;
   IndexSet changed_;
   std::size_t intervals_max_;
@@ -117,7 +165,7 @@ inline bool HeldLayer::hold(const Interval& interval) {
   if (link.next != kNone) links_[link.next].previous = index;
   links_.push_back(link);
   intervals_.push_back(interval);
-  glances_.emplace_back();
+  glances_.add();
   changed_.insert(interval.cell);
   return true;
 }
@@ -131,14 +179,14 @@ inline void HeldLayer::remove(std::size_t index) {
   const std::size_t last = intervals_.size() - 1;
   if (index != last) {
     intervals_[index] = intervals_[last];
-    glances_[index] = glances_[last];
+    glances_.set(index, glances_.get(last));
     links_[index] = links_[last];
     const auto moved = static_cast<std::uint32_t>(index);
     linkTo(links_[index].previous, intervals_[index].cell) = moved;
     if (links_[index].next != kNone) links_[links_[index].next].previous = moved;
   }
   intervals_.pop_back();
-  glances_.pop_back();
+  glances_.dropLast();
   links_.pop_back();
 }
 
@@ -152,7 +200,7 @@ inline bool HeldLayer::cut(std::size_t index, Columns::Heights heights) {
     return true;
   }
   changed_.insert(held.cell);
-  glances_[index] = Glance();
+  glances_.set(index, Glance());
   if (heights.bottom <= bottom) {
     held.heights.bottom = heights.top;
     return true;
@@ -188,13 +236,22 @@ bool HeldLayer::cut(HeightsOf&& heightsOf) {
   return fits;
 }
 
-template <typename IsOver>
-void HeldLayer::releaseIf(IsOver&& isOver) {
-  for (std::size_t i = 0; i < intervals_.size();) {
-    if (isOver(static_cast<const Interval&>(intervals_[i]), glances_[i])) {
-      remove(i);
-    } else {
-      ++i;
+template <typename MayBeOver, typename IsOver>
+void HeldLayer::releaseIf(MayBeOver&& mayBeOver, IsOver&& isOver) {
+  for (std::size_t begin = 0; begin < intervals_.size(); begin += kBlock) {
+    const std::size_t end = std::min(begin + kBlock, intervals_.size());
+    std::uint64_t left = mayBeOver(static_cast<const Glances&>(glances_), begin, end);
+    for (; left != 0; left &= left - 1) {
+      const std::size_t i = begin + static_cast<std::size_t>(__builtin_ctzll(left));
+      // Where it goes the last one takes its place, and is asked about, too.
+      while (i < intervals_.size()) {
+        Glance glance = glances_.get(i);
+        if (!isOver(static_cast<const Interval&>(intervals_[i]), glance)) {
+          glances_.set(i, glance);
+          break;
+        }
+        remove(i);
+      }
     }
   }
 }

@@ -122,12 +122,18 @@ class IntegrationMap {
            bytesOf(cloud_cells_.gathered, cloud_cells_.touched);
   }
 
-  /// Writes cuboids but their dyn, index, grid, stamp, serial, window and thickness; the rest is
-  /// the caller's. Allocates nothing once `map` has been through reserve(). Costs what has changed
-  /// since the last one, and a little for each cuboid.
+  /// Writes cuboids, their dyn as it was told last, index, grid, stamp, serial, window and
+  /// thickness; the rest is the caller's. Allocates nothing once `map` has been through reserve().
+  /// Costs what has changed since the last one, and a little for each cuboid.
   /// @param held one and the same each time, apart from what is in this map: becomes cuboids of its
   /// own.
   void snapshot(CuboidMap& map, HeldLayer* held = nullptr);
+  /// Of the newest snapshot's cuboids that may have changed since this was last called, and those
+  /// in other cells, dyn becomes what dynOf (Cuboid) says; all others have theirs from then.
+  template <typename DynOf>
+  void tellDyn(const IndexSet& others, CuboidMap& newest, DynOf&& dynOf) {
+    list_.tellDyn(others, newest, dynOf);
+  }
   /// Gives a snapshot the capacity that any of this map's can need.
   void reserve(CuboidMap& map) const;
 

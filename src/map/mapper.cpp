@@ -1,6 +1,7 @@
 #include "map/mapper.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "tccm_monitor/config_error.h"
@@ -109,11 +110,26 @@ void Hold::releaseSeen(const ScanReturns& scan, const IntegrationMap& map, const
   const std::uint32_t longest_ms = milliseconds(longest);
   const bool is_elsewhere = asked_from_ != looks.viewpoint();
   asked_from_ = looks.viewpoint();
-  held_.releaseIf([&](const HeldLayer::Interval& held, HeldLayer::Glance& glance) {
-    const bool is_known = !is_elsewhere && glance.direction != HeldLayer::Glance::kUnknown;
+  const auto mayBeOver = [&](const Glances& all, std::size_t begin, std::size_t end) {
+    if (is_elsewhere) return ~std::uint64_t{0};
+    std::array<std::uint32_t, HeldLayer::kBlock> asks;
+    newest_looks_.maySeeLast(all.x() + begin, all.y() + begin, all.z() + begin, end - begin,
+                             asks.data());
+    const std::uint32_t* since_ms = all.sinceMs() + begin;
+    for (std::size_t i = 0; i < end - begin; ++i) {
+      asks[i] |= now_ms - since_ms[i] >= longest_ms ? 1U : 0U;
+    }
+    const std::uint32_t* directions = all.directions() + begin;
+    std::uint64_t bits = 0;
+    for (std::size_t i = end - begin; i-- > 0;) {
+      bits = bits << 1U | asks[i] | static_cast<std::uint64_t>(asked_.has(directions[i]));
+    }
+    return bits;
+  };
+  held_.releaseIf(mayBeOver, [&](const HeldLayer::Interval& held, Glance& glance) {
+    const bool is_known = !is_elsewhere && glance.isKnown();
     if (is_known && now_ms - glance.since_ms < longest_ms &&
-        !newest_looks_.maySeeLast(glance.place) &&
-        !(asked_.has(glance.direction) && mayBeInView(held, glance, looks))) {
+        !newest_looks_.maySeeLast(glance.place) && !mayBeInView(held, glance, looks)) {
       return false;
     }
     const Vector3 place = placeOf(map.grid(), held.cell, held.heights);
@@ -130,7 +146,7 @@ void Hold::releaseSeen(const ScanReturns& scan, const IntegrationMap& map, const
 }
 
 /// Whether a pass in its own direction reached it: less than what is asked of the image then.
-bool Hold::mayBeInView(const HeldLayer::Interval& held, const HeldLayer::Glance& glance,
+bool Hold::mayBeInView(const HeldLayer::Interval& held, const Glance& glance,
                        const LookImage& looks) const {
   const double least = static_cast<double>(glance.range) + config_.look_short_m - kRounding;
   const LookImage::Passes& passes = looks.passes(glance.direction);

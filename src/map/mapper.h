@@ -10,6 +10,7 @@
 #include "map/appearances.h"
 #include "map/held_layer.h"
 #include "map/integration_map.h"
+#include "map/place_ages.h"
 #include "map/self_share.h"
 #include "map/tilt_period.h"
 #include "sight/look_map.h"
@@ -65,7 +66,7 @@ class Hold {
   }
   void askWhereChanged(const LookMap& looks);
   void releaseSeen(const ScanReturns& scan, const IntegrationMap& map, const LookImage& looks);
-  [[nodiscard]] bool mayBeInView(const HeldLayer::Interval& held, const HeldLayer::Glance& glance,
+  [[nodiscard]] bool mayBeInView(const HeldLayer::Interval& held, const Glance& glance,
                                  const LookImage& looks) const;
   [[nodiscard]] std::uint32_t heldAround(const Grid& grid, CellIndex cell,
                                          Columns::Heights heights) const;
@@ -123,8 +124,11 @@ class Mapper {
   /// Forgets scans, looks, tilt and regions, as at the start; serials go on.
   void clear();
 
-  /// All of CuboidMap. Allocates nothing once `map` has been through reserve().
+  /// All of CuboidMap but the ages of places. Allocates nothing once `map` has been through
+  /// reserve().
   void snapshot(CuboidMap& map);
+  /// To the newest snapshot, once it is taken. @param ages have followed this map.
+  void apply(PlaceAges& ages, CuboidMap& newest) { ages.apply(map_, newest); }
   void reserve(CuboidMap& map) const;
 
   [[nodiscard]] const IntegrationMap& map() const { return map_; }

@@ -30,10 +30,12 @@ PlaceAges::PlaceAges(const IntegrationMap& map)
       known_(seen_.size(), 0),
       age_(seen_.size(), 0),
       words_((layers_ + kWord - 1) / kWord),
-      stamps_(map.config().scans_max + 1) {
+      stamps_(map.config().scans_max + 1),
+      judged_(grid_.cells()) {
   kept_.resize(grid_.cells() * words_, 0);
   around_.reserve(kAround);
   known_around_.reserve(kAround * (above_ + 2));
+  judged_.insertAll();  // the map may have been told the ages of another
 }
 
 void PlaceAges::clear() {
@@ -41,6 +43,7 @@ void PlaceAges::clear() {
   std::fill(known_.begin(), known_.end(), Age{0});
   std::fill(age_.begin(), age_.end(), Age{0});
   std::fill(kept_.begin(), kept_.end(), std::uint64_t{0});
+  judged_.insertAll();
   next_ = 0;
   due_ = 0.0;
 }
@@ -76,7 +79,10 @@ void PlaceAges::judge(CellIndex cell, const IntegrationMap& map, const LookImage
   for (std::size_t word = 0; word < words_; ++word) {
     std::uint64_t& kept = kept_[cell * words_ + word];
     if (kept == 0) continue;
-    if (around_.empty()) grid_.visitAround(cell, [this](CellIndex c) { around_.push_back(c); });
+    if (around_.empty()) {
+      grid_.visitAround(cell, [this](CellIndex c) { around_.push_back(c); });
+      judged_.insert(cell);
+    }
     for (std::uint64_t left = kept; left != 0; left &= left - 1) {
       const auto bit = static_cast<std::size_t>(__builtin_ctzll(left));
       if (!isKept({cell, word * kWord + bit}, map, looks)) kept &= ~(std::uint64_t{1} << bit);
@@ -89,7 +95,7 @@ bool PlaceAges::isKept(const Place& place, const IntegrationMap& map, const Look
   const bool is_seen = returnsAt(map, place) > 0;
   if (known_[i] == 0) {
     known_[i] = is_seen ? 1 : 0;
-  } else if (looks.inViewSince(seenAround(place.layer, map), middleOf(place), -kThrough)) {
+  } else if (wasLookedThrough(place, map, looks)) {
     known_[i] = 0;
   } else if (known_[i] < kOldest) {
     ++known_[i];
@@ -100,6 +106,14 @@ bool PlaceAges::isKept(const Place& place, const IntegrationMap& map, const Look
     age_[i] = 0;
   }
   return known_[i] > 0 || is_seen;
+}
+
+/// Since it was seen last. Most never were: of these it need not be known when that was.
+bool PlaceAges::wasLookedThrough(const Place& place, const IntegrationMap& map,
+                                 const LookImage& looks) const {
+  const Vector3 middle = middleOf(place);
+  return looks.inViewSince(Time::min(), middle, -kThrough) &&
+         looks.inViewSince(seenAround(place.layer, map), middle, -kThrough);
 }
 
 std::size_t PlaceAges::layerOf(Height height, const IntegrationMap& map) const {
@@ -195,9 +209,10 @@ std::uint32_t PlaceAges::windowsOf(const Cuboid& cuboid, const IntegrationMap& m
   return age_[index({cuboid.cell, best})] / 2U;
 }
 
-void PlaceAges::apply(const IntegrationMap& map, CuboidMap& snapshot) const {
+void PlaceAges::apply(IntegrationMap& map, CuboidMap& newest) {
   if (beginnings_ != map.beginnings()) return;  // of these places nothing is known
-  for (Cuboid& cuboid : snapshot.cuboids) cuboid.dyn = windowsOf(cuboid, map);
+  map.tellDyn(judged_, newest, [&](const Cuboid& cuboid) { return windowsOf(cuboid, map); });
+  judged_.clear();
 }
 
 }  // namespace tccm

@@ -29,12 +29,12 @@ class PlaceAges {
   /// Follows the map's newest scan: once each, when nobody waits for it any more. Where the map has
   /// forgotten all since, so does this. @param looks up to that scan.
   void follow(const IntegrationMap& map, const LookImage& looks);
-  /// Sets dyn of every cuboid in the map's snapshot.
-  void apply(const IntegrationMap& map, CuboidMap& snapshot) const;
+  /// Sets dyn of every cuboid in the map's newest snapshot. Costs what has changed since the last.
+  void apply(IntegrationMap& map, CuboidMap& newest);
   /// Knows of no place.
   void clear();
   [[nodiscard]] std::size_t memoryBytes() const {
-    return bytesOf(seen_, known_, age_, kept_, stamps_);
+    return bytesOf(seen_, known_, age_, kept_, stamps_) + judged_.memoryBytes();
   }
 
   /// The oldest that dyn tells; what is older is told so too.
@@ -69,6 +69,8 @@ class PlaceAges {
   [[nodiscard]] std::uint32_t returnsAt(const IntegrationMap& map, const Place& place) const;
   void judge(CellIndex cell, const IntegrationMap& map, const LookImage& looks);
   [[nodiscard]] bool isKept(const Place& place, const IntegrationMap& map, const LookImage& looks);
+  [[nodiscard]] bool wasLookedThrough(const Place& place, const IntegrationMap& map,
+                                      const LookImage& looks) const;
   [[nodiscard]] Time seenAround(std::size_t layer, const IntegrationMap& map) const;
   [[nodiscard]] Age ageAround(const Place& place, const IntegrationMap& map);
   void gatherAround(const Place& place, const IntegrationMap& map);
@@ -91,6 +93,7 @@ class PlaceAges {
   std::vector<Time> stamps_;         ///< of the newest scans, by serial
   std::vector<CellIndex> around_;    ///< the cell that is judged, and those beside it
   std::vector<Known> known_around_;  ///< the place that is judged, where returns are
+  IndexSet judged_;                  ///< cells that were since apply()
   CellIndex next_ = 0;               ///< is judged next
   std::uint32_t beginnings_ = 0;     ///< of the map that is known
   double due_ = 0.0;                 ///< so many cells have to be judged

@@ -152,7 +152,7 @@ class TccmMapper : public DiagnosedNodelet {
     published->map.reset();
     published->map = takeMap();
     mapper_->snapshot(*published->map);
-    ages_->apply(mapper_->map(), *published->map);
+    mapper_->apply(*ages_, *published->map);
     trace_.note("snapshot is taken");
     published->frame = frame_;
     published->attached_stamp = attached_stamp_;

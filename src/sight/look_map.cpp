@@ -13,6 +13,7 @@ namespace {
 constexpr double kMeanShare = 0.02;  // of the newest scan in the mean viewpoint
 constexpr double kJump = 0.05;       // [m] beyond that a sensor does not swing, it drives
 constexpr double kMoveMax = 0.01;    // [m] of the mean, before directions are taken from there
+constexpr double kRounding = 1e-9;   // of a cosine; plenty
 constexpr float kElsewhere = 0.25F;  // [m]; a head that turns moves its sensor by less
 constexpr Duration kLongest = std::chrono::hours(24 * 24);  // that milliseconds are counted for
 
@@ -24,10 +25,10 @@ LookImage::Ticks toTicks(Duration duration) {
       std::chrono::duration_cast<std::chrono::milliseconds>(duration).count());
 }
 
-/// Rounded down: what is not sure to have been seen was not.
+/// Rounded down: what is not sure to have been seen was not. @param metres above 0.
 std::uint16_t toMillimetres(double metres) {
   constexpr double kMost = std::numeric_limits<std::uint16_t>::max();
-  return static_cast<std::uint16_t>(std::min(kMost, std::floor(1e3 * metres)));
+  return static_cast<std::uint16_t>(std::min(kMost, 1e3 * metres));
 }
 
 }  // namespace
@@ -73,14 +74,17 @@ void LookMap::add(Time stamp, const std::vector<Look>& looks, bool is_pass) {
   const Ticks now = toTicks(stamp - image_.epoch());
   // Neighbouring beams are nearer to each other than pixels: of those that follow one another in a
   // pixel the one nearest to its middle speaks.
-  std::optional<Beam> best;
+  PixelFollower follower(image_.grid());
+  Beam best, beam;
+  bool has_best = false;
   for (const Look& look : looks) {
-    const auto beam = beamTo(look.end, {now, now, 0, look.what}, best ? best->pixel : 0);
-    if (!beam) continue;
-    if (best && best->pixel != beam->pixel) note(*best);
-    if (!best || best->pixel != beam->pixel || beam->aim > best->aim) best = beam;
+    if (!aimAt(look.end, look.what, follower, beam)) continue;
+    const bool is_elsewhere = has_best && best.pixel != beam.pixel;
+    if (is_elsewhere) note(best, now);
+    if (!has_best || is_elsewhere || beam.aim > best.aim) best = beam;
+    has_best = true;
   }
-  if (best) note(*best);
+  if (has_best) note(best, now);
 }
 
 void LookMap::follow(const Vector3& viewpoint) {
@@ -89,41 +93,62 @@ void LookMap::follow(const Vector3& viewpoint) {
   if ((mean_viewpoint_ - image_.viewpoint()).norm() > kMoveMax) moveTo(mean_viewpoint_);
 }
 
-std::optional<LookMap::Beam> LookMap::beamTo(const Vector3& end, const Pass& pass,
-                                             std::size_t near) const {
+bool LookMap::aimAt(const Vector3& end, Seen what, PixelFollower& follower, Beam& beam) const {
   const Vector3 sight = end - image_.viewpoint();
   const double range = sight.norm();
-  if (!(range > kNearestLook)) return std::nullopt;  // NaN, too
-  const DirectionGrid& grid = image_.grid();
-  Beam beam{end, sight / range, pass, grid.pixelNear(near, sight)};
-  beam.pass.range_mm = toMillimetres(range);
-  beam.aim = grid.middle(beam.pixel).dot(beam.direction) - handicap(pass.end);
-  return beam;
+  if (!(range > kNearestLook)) return false;  // NaN, too
+  follower.follow(sight);
+  beam.end = end;
+  beam.direction = sight / range;
+  beam.range = range;
+  beam.what = what;
+  beam.pixel = follower.pixel();
+  beam.aim = follower.middle().dot(beam.direction) - handicap(what);
+  return true;
 }
 
+/// From its own column on to either side they come further from it.
 template <typename Note>
 void LookMap::spread(const Beam& beam, Note&& note) const {
   const DirectionGrid& grid = image_.grid();
-  const Vector3& d = beam.direction;
-  grid.visitAround(beam.pixel, spread_, [&](int row, int column) {
-    const double cosine =
-        grid.sine(row) * d.z() + grid.cosine(row) * grid.columnMiddle(column).dot(d.head<2>());
-    if (cosine >= spread_cosine_) {
-      note(row, column, static_cast<float>(cosine - handicap(beam.pass.end)));
+  const Eigen::Vector2d across = beam.direction.head<2>();
+  const double up = beam.direction.z(), level = across.norm(), less = handicap(beam.what);
+  const int middle_row = grid.rowOfPixel(beam.pixel);
+  const int middle = grid.columnOfPixel(beam.pixel, middle_row);
+  const int last = std::min(grid.rows() - 1, middle_row + spread_.rows);
+  for (int row = std::max(0, middle_row - spread_.rows); row <= last; ++row) {
+    const double share_up = grid.sine(row) * up, share_across = grid.cosine(row);
+    // Most rows beside its own are too far from it.
+    if (share_up + share_across * level < spread_cosine_ - kRounding) continue;
+    const auto notes = [&](int column) {
+      const double cosine = share_up + share_across * grid.columnMiddle(column).dot(across);
+      if (cosine >= spread_cosine_) note(row, column, static_cast<float>(cosine - less));
+      return cosine >= spread_cosine_;
+    };
+    if (!notes(middle)) continue;
+    const int reach = spread_.columns[static_cast<std::size_t>(row)];
+    for (int c = 1; c <= reach && notes(grid.wrapped(middle - c)); ++c) {
     }
-    return false;
+    for (int c = 1; c <= reach && notes(grid.wrapped(middle + c)); ++c) {
+    }
+  }
+}
+
+void LookMap::note(const Beam& beam, Ticks now) {
+  const Pass pass{now, now, toMillimetres(beam.range), beam.what};
+  const Aim aimed{beam.end.cast<float>(), 0.0F, now, image_.viewpoint().cast<float>()};
+  spread(beam, [&](int row, int column, float aim) {
+    Aim at_pixel = aimed;
+    at_pixel.aim = aim;
+    note(row, column, pass, at_pixel);
   });
 }
 
-void LookMap::note(const Beam& beam) {
-  spread(beam, [&](int row, int column, float aim) { note(row, column, beam, aim); });
-}
-
-void LookMap::note(int row, int column, const Beam& beam, float aim) {
+void LookMap::note(int row, int column, Pass newest, const Aim& aimed) {
   LookImage::Passes& passes = image_.edit(row, column);
   const std::size_t pixel = image_.grid().index(row, column);
   Aims& aims = aims_[pixel];
-  const Ticks now = beam.pass.last;
+  const Ticks now = newest.last;
   const bool is_new = passes[0].end == Seen::kNever || now - passes[0].last > gap_;
   if (is_new) {
     std::move_backward(passes.begin(), passes.end() - 1, passes.end());
@@ -131,13 +156,12 @@ void LookMap::note(int row, int column, const Beam& beam, float aim) {
   } else {
     passes[0].last = now;
     // The best look of a long pass must not be one of long ago.
-    if (aim < aims[0].aim && now - aims[0].stamp <= gap_) return;
+    if (aimed.aim < aims[0].aim && now - aims[0].stamp <= gap_) return;
+    newest.first = passes[0].first;
   }
   changed_.insert(pixel);
-  const Ticks first = is_new ? now : passes[0].first;
-  passes[0] = beam.pass;
-  passes[0].first = first;
-  aims[0] = {beam.end.cast<float>(), aim, now, image_.viewpoint().cast<float>()};
+  passes[0] = newest;
+  aims[0] = aimed;
 }
 
 void LookMap::moveTo(const Vector3& viewpoint) {
@@ -145,28 +169,31 @@ void LookMap::moveTo(const Vector3& viewpoint) {
   std::swap(aims_, old_aims_);
   image_.begin(old_image_.epoch(), viewpoint);
   std::fill(aims_.begin(), aims_.end(), Aims());
+  PixelFollower follower(image_.grid());
+  Beam beam;
   for (int row = old_image_.rowBegin(); row < old_image_.rowEnd(); ++row) {
     for (int column = 0; column < image_.grid().columns(); ++column) {
       const std::size_t pixel = image_.grid().index(row, column);
       for (std::size_t k = 0; k < LookImage::kPasses; ++k) {
-        const Pass& pass = old_image_.passes(pixel)[k];
+        Pass pass = old_image_.passes(pixel)[k];
         const Aim& old = old_aims_[pixel][k];
-        const auto beam = beamTo(old.end.cast<double>(), pass, pixel);
-        if (pass.end == Seen::kNever || !beam) continue;
-        spread(*beam, [&](int r, int c, float aim) { noteAgain(r, c, k, *beam, old, aim); });
+        if (pass.end == Seen::kNever) continue;
+        if (!aimAt(old.end.cast<double>(), pass.end, follower, beam)) continue;
+        pass.range_mm = toMillimetres(beam.range);
+        spread(beam, [&](int r, int c, float aim) { noteAgain(r, c, k, pass, old, aim); });
       }
     }
   }
 }
 
 /// Passes that were the k-th newest in neighbouring directions are taken for one.
-void LookMap::noteAgain(int row, int column, std::size_t k, const Beam& beam, const Aim& old,
+void LookMap::noteAgain(int row, int column, std::size_t k, const Pass& found, const Aim& old,
                         float aim) {
   Pass& pass = image_.edit(row, column)[k];
   Aim& best = aims_[image_.grid().index(row, column)][k];
   if (pass.end != Seen::kNever && aim <= best.aim) return;
   const float way = (image_.viewpoint().cast<float>() - old.viewpoint).norm();
-  pass = beam.pass;
+  pass = found;
   pass.moved = way > kElsewhere;
   best = {old.end, aim, old.stamp, old.viewpoint};
 }

@@ -57,21 +57,22 @@ class LookMap {
   struct Beam {
     Vector3 end;
     Vector3 direction;
-    Pass pass;
+    double range = 0.0;
+    Seen what = Seen::kNever;
     std::size_t pixel = 0;  ///< that it falls into
     double aim = 0.0;       ///< as Aim's, at that pixel
   };
   void follow(const Vector3& viewpoint);
   void moveTo(const Vector3& viewpoint);
-  /// @param near a pixel that it may fall into.
-  [[nodiscard]] std::optional<Beam> beamTo(const Vector3& end, const Pass& pass,
-                                           std::size_t near) const;
+  /// @param follower is where the beam before fell. @return false where it has no direction.
+  [[nodiscard]] bool aimAt(const Vector3& end, Seen what, PixelFollower& follower,
+                           Beam& beam) const;
   /// Hands row, column and aim to note for each pixel that the beam speaks for.
   template <typename Note>
   void spread(const Beam& beam, Note&& note) const;
-  void note(const Beam& beam);
-  void note(int row, int column, const Beam& beam, float aim);
-  void noteAgain(int row, int column, std::size_t k, const Beam& beam, const Aim& old, float aim);
+  void note(const Beam& beam, Ticks now);
+  void note(int row, int column, Pass newest, const Aim& aimed);
+  void noteAgain(int row, int column, std::size_t k, const Pass& found, const Aim& old, float aim);
 
   Config config_;
   LookImage image_;

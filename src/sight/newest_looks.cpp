@@ -80,44 +80,71 @@ void NewestLooks::finishBand() {
            static_cast<float>(angles)};
 }
 
+void NewestLooks::maySeeLast(const float* x, const float* y, const float* z, std::size_t count,
+                             std::uint32_t* may) const {
+  const Last last = last_;
+  for (std::size_t i = 0; i < count; ++i) may[i] = last.mayHave(x[i], y[i], z[i]) ? 1 : 0;
+}
+
 /// Neighbouring beams are nearer to each other than pixels: those that follow one another in a
 /// pixel are added as one.
 void NewestLooks::addOutlines(std::uint32_t serial, const std::vector<Look>& looks) {
+  PixelFollower follower(grid_);
   std::size_t pixel = grid_.pixels();
-  float nearest = kNone;
+  RobotPixel before, at, next;
   for (const Look& look : looks) {
     if (look.what != Seen::kRobot) continue;
     const Vector3 sight = look.end - look.viewpoint;
     const double distance = sight.norm();
     if (!(distance > kNearestLook)) continue;  // NaN, too
     widenBand(look.viewpoint, sight / distance);
-    const std::size_t own = nearest == kNone ? grid_.pixelOf(sight) : grid_.pixelNear(pixel, sight);
-    if (own != pixel) {
-      if (nearest != kNone) addOutline(pixel, nearest, serial);
-      pixel = own;
-      nearest = kNone;
+    follower.follow(sight);
+    if (follower.pixel() != pixel) {
+      pixel = follower.pixel();
+      addOutline(before, at, next, serial);
+      before = at;
+      at = next;
+      next.row = grid_.rowOfPixel(pixel);
+      next.column = grid_.columnOfPixel(pixel, next.row);
+      next.distance = kNone;
     }
-    nearest = std::min(nearest, static_cast<float>(distance));
+    next.distance = std::min(next.distance, static_cast<float>(distance));
   }
-  if (nearest != kNone) addOutline(pixel, nearest, serial);
+  addOutline(before, at, next, serial);
+  addOutline(at, next, RobotPixel(), serial);
 }
 
-void NewestLooks::addOutline(std::size_t pixel, float distance, std::uint32_t serial) {
-  grid_.visitAround(pixel, beside_, [&](int row, int column) {
-    const std::size_t beside = grid_.index(row, column);
-    Outline& outline = outlines_[beside];
-    if (outline.serial != serial || distance < outline.distance) outline = {distance, serial};
-    // The scan lines just before passed as near by.
-    if (serial - serials_[beside] <= kNeighbours) {
-      lines_[beside].outline = std::min(lines_[beside].outline, distance);
+void NewestLooks::addOutline(const RobotPixel& before, const RobotPixel& at,
+                             const RobotPixel& after, std::uint32_t serial) {
+  if (at.distance == kNone) return;
+  const bool leaves_before = before.distance <= at.distance;
+  const bool leaves_after = after.distance < at.distance;
+  const int last = std::min(grid_.rows() - 1, at.row + beside_.rows);
+  for (int row = std::max(0, at.row - beside_.rows); row <= last; ++row) {
+    const int reach = beside_.columns[static_cast<std::size_t>(row)];
+    const auto isBeside = [&](const RobotPixel& other, int column) {
+      return std::abs(row - other.row) <= beside_.rows && std::abs(column - other.column) <= reach;
+    };
+    for (int column = at.column - reach; column <= at.column + reach; ++column) {
+      if ((leaves_before && isBeside(before, column)) || (leaves_after && isBeside(after, column)))
+        continue;
+      addOutline(grid_.index(row, grid_.wrapped(column)), at.distance, serial);
     }
-    return false;
-  });
+  }
+}
+
+void NewestLooks::addOutline(std::size_t beside, float distance, std::uint32_t serial) {
+  Outline& outline = outlines_[beside];
+  if (outline.serial != serial || distance < outline.distance) outline = {distance, serial};
+  // The scan lines just before passed as near by.
+  if (serial - serials_[beside] <= kNeighbours) {
+    lines_[beside].outline = std::min(lines_[beside].outline, distance);
+  }
 }
 
 void NewestLooks::addLines(std::uint32_t serial, const std::vector<Look>& looks,
                            std::uint32_t outline_scans) {
-  std::size_t pixel = 0;
+  PixelFollower follower(grid_);
   for (const Look& look : looks) {
     if (look.what == Seen::kRobot) continue;
     const Vector3 sight = look.end - look.viewpoint;
@@ -126,7 +153,8 @@ void NewestLooks::addLines(std::uint32_t serial, const std::vector<Look>& looks,
     const Vector3 direction = sight / range;
     widenBand(look.viewpoint, direction);
     if (look.what == Seen::kUnclear) continue;
-    pixel = grid_.pixelNear(pixel, sight);
+    follower.follow(sight);
+    const std::size_t pixel = follower.pixel();
     looked_.insert(pixel);
     Line& line = lines_[pixel];
     // Of one scan the look that saw the farthest.

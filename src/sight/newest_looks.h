@@ -39,10 +39,11 @@ class NewestLooks {
                              double short_m) const;
   /// False where sawLast() is sure to say no; in a few steps, to be asked of many.
   [[nodiscard]] bool maySeeLast(const Eigen::Vector3f& p_fixed) const {
-    const Eigen::Vector3f sight = p_fixed - last_.viewpoint;
-    const float beyond = std::abs(sight.dot(last_.normal)) - last_.swing;
-    return !(beyond > 0.0F && beyond * beyond > last_.sine * last_.sine * sight.squaredNorm());
+    return last_.mayHave(p_fixed.x(), p_fixed.y(), p_fixed.z());
   }
+  /// The same of places whose coordinates lie in three rows. @param may 0 or 1 for each; 1 for NaN.
+  void maySeeLast(const float* x, const float* y, const float* z, std::size_t count,
+                  std::uint32_t* may) const;
   void clear();
   [[nodiscard]] std::size_t memoryBytes() const {
     return bytesOf(lines_, outlines_) + bytesOf(serials_) + looked_.memoryBytes();
@@ -62,7 +63,15 @@ class NewestLooks {
     std::uint32_t serial = 0;
   };
   void addOutlines(std::uint32_t serial, const std::vector<Look>& looks);
-  void addOutline(std::size_t pixel, float distance, std::uint32_t serial);
+  /// A pixel that looks ended on the robot in, one after another: the nearest.
+  struct RobotPixel {
+    int row = 0, column = 0;
+    float distance = std::numeric_limits<float>::max();
+  };
+  /// @param before and after it: what is beside them, too, is left to the nearer one.
+  void addOutline(const RobotPixel& before, const RobotPixel& at, const RobotPixel& after,
+                  std::uint32_t serial);
+  void addOutline(std::size_t beside, float distance, std::uint32_t serial);
   void addLines(std::uint32_t serial, const std::vector<Look>& looks, std::uint32_t outline_scans);
   void beginBand(const std::vector<Look>& looks);
   void widenBand(const Vector3& viewpoint, const Vector3& direction);
@@ -81,6 +90,13 @@ class NewestLooks {
   /// The same, with room for roundings: what is seen from the viewpoint lies within the swing [m]
   /// of directions that are at most so far from the plane.
   struct Last {
+    /// Without a branch, so that several are compared at once. True for NaN.
+    [[nodiscard]] bool mayHave(float x, float y, float z) const {
+      const float dx = x - viewpoint.x(), dy = y - viewpoint.y(), dz = z - viewpoint.z();
+      const float beyond = std::abs(dx * normal.x() + dy * normal.y() + dz * normal.z()) - swing;
+      const bool is_beyond = beyond * beyond > sine * sine * (dx * dx + dy * dy + dz * dz);
+      return !(is_beyond & (beyond > 0.0F));
+    }
     Eigen::Vector3f viewpoint = Eigen::Vector3f::Zero();
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();
     float swing = 0.0F;

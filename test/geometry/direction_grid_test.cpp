@@ -44,7 +44,7 @@ TEST(DirectionGridTest, RandomDirectionsFallWhereTheirAnglesSay) {
   }
 }
 
-TEST(DirectionGridTest, APixelIsTheSameWhateverPixelItIsLookedForNear) {
+TEST(DirectionGridTest, AFollowerFindsTheSamePixelWhereverItWas) {
   const DirectionGrid grid(0.035);
   test::Random random(5);
   const auto any = [&](std::size_t below) {
@@ -62,7 +62,11 @@ TEST(DirectionGridTest, APixelIsTheSameWhateverPixelItIsLookedForNear) {
     const std::size_t pixel = grid.pixelOf(d);
     const std::size_t beside = std::min(pixel + any(3), grid.pixels() - 1);
     for (const std::size_t near : {pixel, beside, any(grid.pixels())}) {
-      ASSERT_EQ(grid.pixelNear(near, d), pixel) << d.transpose();
+      PixelFollower follower(grid);
+      follower.follow(grid.middle(near));
+      follower.follow(d);
+      ASSERT_EQ(follower.pixel(), pixel) << d.transpose();
+      ASSERT_EQ(follower.middle(), grid.middle(pixel));
     }
   }
 }

@@ -43,6 +43,31 @@ TEST(CuboidListTest, ACuboidIsAsOldAsTheMapTells) {
   EXPECT_EQ(written(list, 9, at(7000)).cuboids[0].age_scans, 7U);
 }
 
+TEST(CuboidListTest, ACuboidKeepsItsDynUntilItsCellIsListedAnewOrToldAgain) {
+  CuboidList list(kCells, 10);
+  const auto listOne = [](CellIndex cell, Entries& entries) {
+    entries.emplace_back(cell, false, Columns::Heights{10, 30}, 1, 1, at(0));
+  };
+  const auto tell = [&](const IndexSet& others, std::uint32_t dyn) {
+    CuboidMap map = written(list);
+    list.tellDyn(others, map, [dyn](const Cuboid& cuboid) { return 10 * cuboid.cell + dyn; });
+    std::vector<std::uint32_t> all;
+    for (const Cuboid& cuboid : map.cuboids) all.push_back(cuboid.dyn);
+    return all;
+  };
+  IndexSet none(kCells), third(kCells);
+  third.insert(3);
+  for (const CellIndex cell : {2U, 3U, 4U}) list.changed().insert(cell);
+  list.update(listOne);
+  EXPECT_EQ(written(list).cuboids[1].dyn, 0U);
+  EXPECT_EQ(tell(none, 1), (std::vector<std::uint32_t>{21, 31, 41}));
+  EXPECT_EQ(tell(none, 2), (std::vector<std::uint32_t>{21, 31, 41}));
+  EXPECT_EQ(tell(third, 3), (std::vector<std::uint32_t>{21, 33, 41}));
+  list.changed().insert(4);
+  list.update(listOne);
+  EXPECT_EQ(tell(none, 4), (std::vector<std::uint32_t>{21, 33, 44}));
+}
+
 TEST(CuboidListTest, OnlyCellsThatHaveChangedAreListedAnew) {
   test::Random random(2);
   CuboidList list(kCells, 1000);

@@ -34,6 +34,10 @@ std::vector<std::array<int, 3>> rows(const HeldLayer& layer) {
 
 using Rows = std::vector<std::array<int, 3>>;
 
+std::uint64_t askOfAll(const Glances& /*glances*/, std::size_t /*begin*/, std::size_t /*end*/) {
+  return ~std::uint64_t{0};
+}
+
 TEST(HeldLayerTest, WhatIsHeldIsListedByCellFromLowToHigh) {
   HeldLayer layer(kCells, 8);
   EXPECT_TRUE(layer.intervals().empty());
@@ -71,8 +75,8 @@ TEST(HeldLayerTest, OfEachIntervalItsOwnHeightsAreCutOutAndWhatIsEmptyCutsNothin
 TEST(HeldLayerTest, WhatIsReleasedIsGone) {
   HeldLayer layer(kCells, 8);
   for (const int bottom : {0, 20, 40}) ASSERT_TRUE(layer.hold(interval(1, bottom, bottom + 10)));
-  layer.releaseIf(
-      [](const HeldLayer::Interval& i, HeldLayer::Glance&) { return i.heights.bottom == 20; });
+  layer.releaseIf(askOfAll,
+                  [](const HeldLayer::Interval& i, Glance&) { return i.heights.bottom == 20; });
   EXPECT_EQ(rows(layer), (Rows{{1, 0, 10}, {1, 40, 50}}));
   layer.clear();
   EXPECT_TRUE(layer.intervals().empty());
@@ -109,6 +113,23 @@ TEST(HeldLayerTest, WhatIsEmptyMakesRoomForThePiecesOfACut) {
   EXPECT_EQ(rows(layer), (Rows{{1, 0, 40}, {1, 60, 100}}));
 }
 
+TEST(HeldLayerTest, OnlyWhatMayBeOverIsAskedAboutAndWhatTakesItsPlaceToo) {
+  HeldLayer layer(200, 200);
+  for (CellIndex cell = 0; cell < 200; ++cell) ASSERT_TRUE(layer.hold(interval(cell, 0, 100)));
+  std::vector<CellIndex> asked;
+  layer.releaseIf(
+      [](const Glances&, std::size_t begin, std::size_t end) {
+        EXPECT_LE(end - begin, HeldLayer::kBlock);
+        return std::uint64_t{begin == 64 ? 5U : 0U};
+      },
+      [&](const HeldLayer::Interval& i, Glance&) {
+        asked.push_back(i.cell);
+        return i.cell != 66 && i.cell != 198;
+      });
+  EXPECT_EQ(asked, (std::vector<CellIndex>{64, 199, 198, 66}));
+  EXPECT_EQ(layer.intervals().size(), 198U);
+}
+
 TEST(HeldLayerTest, WhatWasCutAwayOnceIsGoneFromTheList) {
   HeldLayer layer(kCells, 8);
   ASSERT_TRUE(layer.hold(interval(1, 0, 100)));
@@ -123,17 +144,20 @@ TEST(HeldLayerTest, WhatWasCutAwayOnceIsGoneFromTheList) {
 TEST(HeldLayerTest, WhatIsKnownOfAnIntervalStaysWithItUntilItsHeightsChange) {
   HeldLayer layer(kCells, 8);
   for (const CellIndex cell : {1U, 2U, 3U, 4U}) ASSERT_TRUE(layer.hold(interval(cell, 0, 100)));
-  layer.releaseIf([](const HeldLayer::Interval& i, HeldLayer::Glance& glance) {
-    EXPECT_EQ(glance.direction, HeldLayer::Glance::kUnknown);
-    glance.direction = i.cell;
+  layer.releaseIf(askOfAll, [](const HeldLayer::Interval& i, Glance& glance) {
+    EXPECT_FALSE(glance.isKnown());
+    glance = {Eigen::Vector3f::Ones(), 1.0F, i.cell, 0};
     return false;
   });
   EXPECT_TRUE(layer.seen(1, {0, 100}));
   EXPECT_TRUE(layer.seen(2, {40, 60}));
   EXPECT_TRUE(layer.seen(3, {100, 120}));
   int known = 0;
-  layer.releaseIf([&](const HeldLayer::Interval& i, HeldLayer::Glance& glance) {
-    EXPECT_EQ(glance.direction, i.cell == 2 ? HeldLayer::Glance::kUnknown : i.cell);
+  layer.releaseIf(askOfAll, [&](const HeldLayer::Interval& i, Glance& glance) {
+    EXPECT_EQ(glance.isKnown(), i.cell != 2);
+    if (glance.isKnown()) {
+      EXPECT_EQ(glance.direction, i.cell);
+    }
     known += i.cell == 2 ? 0 : 1;
     return false;
   });
@@ -156,7 +180,7 @@ TEST(HeldLayerTest, CellsWhereWhatIsHeldHasChangedAreToldOnce) {
   EXPECT_TRUE(layer.seen(4, {200, 300}));
   EXPECT_TRUE(layer.seen(1, {40, 60}));
   EXPECT_EQ(changed(), Cells{1});
-  layer.releaseIf([](const HeldLayer::Interval& i, HeldLayer::Glance&) { return i.cell == 4; });
+  layer.releaseIf(askOfAll, [](const HeldLayer::Interval& i, Glance&) { return i.cell == 4; });
   EXPECT_EQ(changed(), Cells{4});
   layer.clear();
   EXPECT_EQ(changed(), (Cells{1, 7}));
@@ -181,7 +205,7 @@ TEST(HeldLayerTest, RandomCutsAndReleasesLeaveTheHeightsThatWereNotSeen) {
     }
     if (random.chance(0.1)) {
       const int cell = random.integer(0, 3);
-      layer.releaseIf([&](const HeldLayer::Interval& i, HeldLayer::Glance&) {
+      layer.releaseIf(askOfAll, [&](const HeldLayer::Interval& i, Glance&) {
         const bool is_over = static_cast<int>(i.cell) == cell && i.heights.bottom % 3 == 0;
         for (int h = i.heights.bottom; is_over && h < i.heights.top; ++h) held.erase({cell, h});
         return is_over;

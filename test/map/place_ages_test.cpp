@@ -69,7 +69,7 @@ class Table {
   }
   const CuboidMap& map() {
     mapper_.snapshot(map_);
-    ages_.apply(mapper_.map(), map_);
+    mapper_.apply(ages_, map_);
     return map_;
   }
   /// The dyn of the live cuboids that fulfil a condition on their box.
