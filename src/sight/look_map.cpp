@@ -127,9 +127,10 @@ void LookMap::spread(const Beam& beam, Note&& note) const {
     };
     if (!notes(middle)) continue;
     const int reach = spread_.columns[static_cast<std::size_t>(row)];
-    for (int c = 1; c <= reach && notes(grid.wrapped(middle - c)); ++c) {
-    }
-    for (int c = 1; c <= reach && notes(grid.wrapped(middle + c)); ++c) {
+    for (const int side : {-1, 1}) {
+      for (int c = 1; c <= reach; ++c) {
+        if (!notes(grid.wrapped(middle + side * c))) break;
+      }
     }
   }
 }
