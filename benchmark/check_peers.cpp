@@ -276,7 +276,7 @@ Json compareOcclusion(const std::string& what, double shoulder, int rounds) {
   const OcclusionCheck::Config config;
   FullZBuffer full(config.resolution_rad);
   PoseFindings findings;
-  auto& [now, ahead] = poses.checks();
+  PoseCheck &now = poses.checks()[0], &ahead = poses.checks()[1];
   return compare(what, poses,
                  {{"this package",
                    [&] {
