@@ -142,6 +142,7 @@ void measureWay(const Sensor& sensor, int frames) {
       {"map, looks and hold", [&] { way.map(); }},
       {"snapshot, and its message", [&] { way.publish(); }}};
   std::vector<Row> rows;
+  rows.reserve(stages.size());
   for (const auto& [what, stage] : stages) rows.push_back({what, {}, way.points()});
   Row all{"all of it", {}, way.points()};
   Row ages{"for `dyn` alone, once the map is out: ages of places", {}, way.points()};

@@ -119,7 +119,7 @@ class LookingLoop {
  public:
   explicit LookingLoop(std::size_t window) : loop_(window) {
     // Until all that stands there is known.
-    for (std::size_t i = 0; i < 10 * kScansInPeriod; ++i) step();
+    for (std::size_t i = 0; i < std::size_t{10} * kScansInPeriod; ++i) step();
   }
   void step() {
     see();

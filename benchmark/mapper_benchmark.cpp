@@ -15,7 +15,8 @@ namespace tccm {
 namespace {
 
 constexpr int kWindow = 40;
-constexpr std::size_t kWarmUp = 3 * TiltingStream::kPeriods * TiltingStream::kScansInPeriod;
+constexpr std::size_t kWarmUp =
+    std::size_t{3} * TiltingStream::kPeriods * TiltingStream::kScansInPeriod;
 
 const TiltingStream& stream() {
   static const TiltingStream made;
@@ -133,8 +134,8 @@ void holdEverywhere(Mapper& mapper, std::size_t places, std::size_t& next) {
       // Cells far from each other follow one another.
       const auto cell = static_cast<CellIndex>(place * 2503U % grid.cells());
       const Eigen::Vector2d centre = grid.centre(cell);
-      scan.points.emplace_back(centre.x(), centre.y(),
-                               0.2 + 0.3 * static_cast<double>(place / grid.cells()));
+      const std::size_t layer = place / grid.cells();
+      scan.points.emplace_back(centre.x(), centre.y(), 0.2 + 0.3 * static_cast<double>(layer));
     }
     scan.stamp = Time(fromSeconds(1.0)) + static_cast<int>(next++) * TiltingStream::kScan;
     mapper.add(scan);

@@ -21,7 +21,7 @@ namespace tccm {
 /// or not while a robot may move, is refused as a whole.
 class Tuning {
  public:
-  Tuning(ros::NodeHandle private_node, CheckerConfig& config, Checker& checker)
+  Tuning(const ros::NodeHandle& private_node, CheckerConfig& config, Checker& checker)
       : private_node_(private_node), config_(config), checker_(checker) {
     descriptions_ = advertise<ConfigDescription>(private_node_, "parameter_descriptions", 1, true);
     updates_ = advertise<Config>(private_node_, "parameter_updates", 1, true);
