@@ -9,7 +9,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -22,6 +21,7 @@
 #include "check/pose_check.h"
 #include "geometry/ray.h"
 #include "latencies.h"
+#include "peers_main.h"
 #include "support/fcl_overlap.h"
 #include "support/table_scene.h"
 
@@ -307,17 +307,4 @@ void run(bool quick) {
 }  // namespace
 }  // namespace tccm
 
-int main(int argc, char** argv) {
-  const bool quick = argc == 2 && std::strcmp(argv[1], "--quick") == 0;
-  if (argc > 2 || (argc == 2 && !quick)) {
-    std::fprintf(stderr, "usage: check_peers [--quick]\n");
-    return 2;
-  }
-  try {
-    tccm::run(quick);
-    return 0;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "check_peers: %s\n", error.what());
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return tccm::peers::main(argc, argv, "check_peers", tccm::run); }

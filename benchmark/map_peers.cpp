@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <cstring>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -18,6 +17,7 @@
 #include "map/integration_map.h"
 #include "map/mapper.h"
 #include "peers.h"
+#include "peers_main.h"
 #include "scan/cloud_looks.h"
 #include "streams.h"
 
@@ -229,17 +229,4 @@ void run(bool quick) {
 }  // namespace
 }  // namespace tccm
 
-int main(int argc, char** argv) {
-  const bool quick = argc == 2 && std::strcmp(argv[1], "--quick") == 0;
-  if (argc > 2 || (argc == 2 && !quick)) {
-    std::fprintf(stderr, "usage: map_peers [--quick]\n");
-    return 2;
-  }
-  try {
-    tccm::run(quick);
-    return 0;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "map_peers: %s\n", error.what());
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return tccm::peers::main(argc, argv, "map_peers", tccm::run); }

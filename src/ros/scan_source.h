@@ -223,9 +223,11 @@ class ScanSource : public WaitingScans<SharedScan> {
   /// A scan that cannot be projected at all, is stamped in the future or has another frame than the
   /// one before is dropped here.
   void add(const LaserScan& scan, const std::string& frame, Time arrival) {
+    const std::string defect = defectOf(scan, beams_max_);
     const boost::shared_ptr<LaserScan> copy = scans_.take();
-    *copy = scan;
-    WaitingScans::add(copy, frame, arrival, defectOf(scan, beams_max_));
+    if (defect.empty()) *copy = scan;
+    copy->stamp = scan.stamp;  // of one that has a defect no more is asked, nor kept
+    WaitingScans::add(copy, frame, arrival, defect);
   }
 
  private:

@@ -68,12 +68,12 @@ class DownstreamTest(unittest.TestCase):
     @unittest.skipUnless(platform.machine() == "x86_64", "other processors have other instructions")
     def test_what_is_built_runs_on_a_processor_without_avx(self):
         built = [path for path in (*DEVEL.glob("lib/*.so"), *DEVEL.glob("lib/tccm_monitor/*"))
-                 if path.read_bytes()[:4] == b"\x7fELF"]
+                 if path.read_bytes()[:4] == b"\x7fELF" and not re.search("_tests?$", path.name)]
         self.assertGreater(len(built), 5)
         for path in built:
             with self.subTest(path=path.name):
                 code = run("objdump", "-d", "--no-show-raw-insn", path)
-                self.assertIn("%xmm0", code)
+                self.assertTrue("%rsp" in code, "it is disassembled")
                 self.assertIsNone(re.search("%[yz]mm", code))
 
     def test_public_headers_need_nothing_beside_them(self):

@@ -67,11 +67,11 @@ class ArmClient:
         elbow = [positions[ELBOW] for _, _, positions, _ in self.log(since, until)]
         return max(elbow) - min(elbow)
 
-    def fastest(self, seconds, since):
+    def fastest(self, seconds, since, until=float("inf")):
         """The speed of its elbow over the fastest so many seconds: where a busy machine is late, the arm
         catches up at once [rad/s]."""
         speeds, begin = [], 0
-        log = [(stamp, positions[ELBOW]) for _, stamp, positions, _ in self.log(since)]
+        log = [(stamp, positions[ELBOW]) for _, stamp, positions, _ in self.log(since, until)]
         for stamp, elbow in log:
             while stamp - log[begin][0] > seconds:
                 speeds.append(abs(elbow - log[begin][1]) / (stamp - log[begin][0]))
