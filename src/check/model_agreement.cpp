@@ -103,6 +103,7 @@ void ModelAgreement::addFrame(const std::string& link, std::vector<Vector3> poin
                      {},
                      0,
                      {}});
+  frames_.back().awaited.reserve(kAwaited + 1);
 }
 
 void ModelAgreement::addJoints(Time stamp, const std::vector<std::string>& names,

@@ -31,6 +31,7 @@ class TccmMapper : public DiagnosedNodelet {
   ~TccmMapper() override { end(); }
 
  private:
+  static constexpr std::size_t kMapsAtStart = 4;  // ours, the checker's, and two on the way to it
   static constexpr const char* kLacksWindow =
       "a camera or lidar has no tilt to measure a window by: set window_s above 0";
 
@@ -39,6 +40,7 @@ class TccmMapper : public DiagnosedNodelet {
     tellDifferences(privateNode(), config_);
     mapper_ = std::make_unique<Mapper>(config_.mapper);
     ages_ = std::make_unique<PlaceAges>(mapper_->map());
+    while (maps_.size() < kMapsAtStart) makeMap();
     trace_.begin(node());
     map_publisher_ = advertise<PublishedMap>(node(), "cuboid_map", 10);
     marker_publisher_ = advertise<visualization_msgs::Marker>(node(), "cuboid_markers", 4);
@@ -142,6 +144,10 @@ class TccmMapper : public DiagnosedNodelet {
       std::atomic_thread_fence(std::memory_order_acquire);  // who let go of it may have read it
       return map;
     }
+    return makeMap();
+  }
+
+  std::shared_ptr<CuboidMap> makeMap() {
     maps_.push_back(std::make_shared<CuboidMap>());
     mapper_->reserve(*maps_.back());
     return maps_.back();

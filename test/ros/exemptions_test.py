@@ -53,7 +53,12 @@ class ExemptionsTest(NamedSubTests):
         wait_for_nodelets()
         wait_for(lambda: cls.recorder.statuses and cls.recorder.statuses[-1].known)
         wait_for(lambda: cls.transforms.get_num_connections() > 0)
-        cls.positions, cls.link = cls.pose_that_touches()
+        cls.positions, cls.link = [], ""
+
+    def setUp(self):
+        # Where the machine stood still the map lacks scans, and another link may touch.
+        if not self.positions or self.link_that_touches(self.positions) != self.link:
+            type(self).positions, type(self).link = self.pose_that_touches()
 
     @classmethod
     def ask(cls, positions):
@@ -67,10 +72,10 @@ class ExemptionsTest(NamedSubTests):
         too, so that no noise of what is seen undoes it."""
         for elbow in range(0, -80, -8):
             links = [None, None]  # which one touches alone at the pitches before
-            for pitch in range(-60, 61):
-                links.append(cls.link_that_touches([0.02 * elbow, 0.02 * pitch]))
+            for pitch in range(-120, 121):
+                links.append(cls.link_that_touches([0.02 * elbow, 0.01 * pitch]))
                 if links[-1] and len(set(links[-3:])) == 1:
-                    return [0.02 * elbow, 0.02 * (pitch - 1)], links[-1]
+                    return [0.02 * elbow, 0.01 * (pitch - 1)], links[-1]
         raise AssertionError("no pose in which one link alone touches")
 
     @classmethod
@@ -201,7 +206,7 @@ class ExemptionsTest(NamedSubTests):
             self.assertTrue(self.report(OWNER, arm, True).success)
         self.assertNotEqual(result(), CheckStateResponse.COLLISION, "at once")
         self.assertEqual(self.the_one().why_not, "")
-        self.assertLess((self.the_one().until - rospy.Time.now()).to_sec(), 30.0)
+        self.assertLessEqual((self.the_one().until - rospy.Time.now()).to_sec(), 30.0)
         self.report(OWNER, "left", False)
         self.assertNotEqual(result(), CheckStateResponse.COLLISION)
         self.report(OWNER, "right", False)
