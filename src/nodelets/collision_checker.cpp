@@ -234,6 +234,7 @@ void CollisionChecker::check() {
     verdict_ = &checker_->fail(toTime(ros::Time::now()), {Reason::kInternal, error.what()});
   }
   tellChange(*verdict_);
+  stop_cause_.follow(*verdict_, checker_->map());
   if (verdict_->level > published_) publish();
 }
 
@@ -341,7 +342,7 @@ void CollisionChecker::publishPictures() {
   if (verdict_ == &fault_) return;
   publishCheckedMap();
   if (marker_publisher_.getNumSubscribers() > 0) {
-    marker_publisher_.publish(toMarkers(*verdict_, *checker_, config_.fixed_frame));
+    marker_publisher_.publish(toMarkers(*verdict_, stop_cause_, *checker_, config_.fixed_frame));
   }
   if (image_publisher_.getNumSubscribers() > 0 && verdict_->placed) {
     sensor_msgs::Image image = toImage(checker_->checkHere().occlusion().picture());

@@ -24,6 +24,7 @@
 
 #include "nodelets/attachments.h"
 #include "nodelets/diagnosed_nodelet.h"
+#include "nodelets/markers.h"
 #include "nodelets/scan_tracer.h"
 #include "nodelets/sensor_feed.h"
 #include "nodelets/tuning.h"
@@ -134,6 +135,7 @@ class CollisionChecker : public DiagnosedNodelet {
   ros::Time clock_;            ///< at the last publication
   ros::WallTime clock_moved_;  ///< when it last differed from the one before
   std::optional<Reason> told_;
+  StopCause stop_cause_;
   bool told_velocity_ = false;
   bool told_limit_ = false;
   std::size_t told_not_compared_ = 0;

@@ -191,15 +191,25 @@ std::string inLines(const std::string& text, std::size_t width) {
   return lines;
 }
 
+/// Nothing is found, and yet it stops.
+bool endsAStop(Reason reason) {
+  return reason == Reason::kReleasing || reason == Reason::kAwaitingReset;
+}
+
 /// Above the robot, wherever it is.
-void addText(const Verdict& verdict, const RobotModel& model, MarkerList& markers) {
+void addText(const Verdict& verdict, const StopCause& cause, const RobotModel& model,
+             MarkerList& markers) {
   Marker& marker =
       markers.add("status", Marker::TEXT_VIEW_FACING, {0.0, 0.0, 0.05}, colorOf(verdict.level));
   marker.header.frame_id = model.rootFrames().front();
   marker.header.stamp = ros::Time();
   marker.pose.position.z = 1.65;
-  marker.text = std::string(name(verdict.level)) + " " + name(verdict.reason);
-  if (!verdict.detail.empty()) marker.text += "\n" + inLines(verdict.detail, kTextWidth);
+  const bool outlives = cause.outlives(verdict);
+  const std::string& detail = outlives ? cause.detail() : verdict.detail;
+  marker.text =
+      std::string(name(verdict.level)) + " " + name(outlives ? cause.reason() : verdict.reason);
+  if (!detail.empty()) marker.text += "\n" + inLines(detail, kTextWidth);
+  if (outlives) marker.text += std::string("\nnow ") + name(verdict.reason);
   if (verdict.placed) marker.text += "\n" + numbersOf(verdict, model);
 }
 
@@ -211,18 +221,28 @@ void addBody(const std::string& name, const PoseFindings& findings, const PoseCh
   }
 }
 
-void addFlagged(const Verdict& verdict, const CuboidMap& map, MarkerList& markers) {
-  constexpr double kOver = 0.0005;  // [m] so that they show over the map's own
-  const std::vector<Flagged> flagged = flaggedBy(verdict);
-  if (flagged.empty()) return;
-  Marker& marker = markers.add("flagged cuboids", Marker::TRIANGLE_LIST, Vector3::Ones(),
-                               color(1.0F, 1.0F, 1.0F));
-  for (const auto& [cuboid, col] : flagged) {
-    UprightBox box = map.box(map.cuboids[cuboid]);
-    box.min().array() -= kOver;
-    box.max().array() += kOver;
+/// @param boxes with their col as in Cuboid.msg. @param over by how much they are larger, so that
+/// they show among the map's own [m].
+void addBoxes(const std::string& name,
+              const std::vector<std::pair<UprightBox, std::uint8_t>>& boxes, double over,
+              MarkerList& markers) {
+  if (boxes.empty()) return;
+  Marker& marker =
+      markers.add(name, Marker::TRIANGLE_LIST, Vector3::Ones(), color(1.0F, 1.0F, 1.0F));
+  for (auto [box, col] : boxes) {
+    box.min().array() -= over;
+    box.max().array() += over;
     addCuboid(box, col == tccm_monitor::Cuboid::COLLISION ? magenta(1.0F) : blue(1.0F), marker);
   }
+}
+
+std::vector<std::pair<UprightBox, std::uint8_t>> flaggedBoxes(const Verdict& verdict,
+                                                              const CuboidMap& map) {
+  std::vector<std::pair<UprightBox, std::uint8_t>> boxes;
+  for (const auto& [cuboid, col] : flaggedBy(verdict)) {
+    boxes.emplace_back(map.box(map.cuboids[cuboid]), col);
+  }
+  return boxes;
 }
 
 void addFirstContact(const WayContact& contact, const CuboidMap& map, MarkerList& markers) {
@@ -310,14 +330,34 @@ Marker toMarker(const tccm_monitor::CuboidMap& map, CuboidLayer layer, int stati
   return marker;
 }
 
-MarkerArray toMarkers(const Verdict& verdict, const Checker& checker, const std::string& frame) {
+void StopCause::follow(const Verdict& verdict, const CuboidMap* map) {
+  if (verdict.stop && (verdict.reason == reason_ || endsAStop(verdict.reason))) return;
+  reason_ = verdict.stop ? verdict.reason : Reason::kClear;
+  boxes_.clear();
+  if (!verdict.stop) return;
+  detail_ = verdict.detail;
+  if (!verdict.placed || map == nullptr) return;
+  boxes_ = flaggedBoxes(verdict, *map);
+  if (verdict.first_contact) {
+    const Cuboid& touched = map->cuboids[verdict.first_contact->contact.cuboid];
+    boxes_.emplace_back(map->box(touched), std::uint8_t{tccm_monitor::Cuboid::COLLISION});
+  }
+}
+
+bool StopCause::outlives(const Verdict& verdict) const {
+  return reason_ != Reason::kClear && endsAStop(verdict.reason);
+}
+
+MarkerArray toMarkers(const Verdict& verdict, const StopCause& cause, const Checker& checker,
+                      const std::string& frame) {
   MarkerList markers(frame, verdict.stamp);
+  if (cause.outlives(verdict)) addBoxes("cause of the stop", cause.boxes(), 0.01, markers);
   if (verdict.placed) {
     addBody("now", verdict.now, checker.checkHere(), checker, 0.3F, markers);
     addBody("ahead", verdict.ahead, checker.checkAhead(), checker, 0.1F, markers);
     markers.add("occlusion", checker.checkHere().occlusionBody().body,
                 color(0.3F, 0.8F, 0.5F, 0.25F));
-    addFlagged(verdict, *checker.map(), markers);
+    addBoxes("flagged cuboids", flaggedBoxes(verdict, *checker.map()), 0.0005, markers);
     if (verdict.first_contact) addFirstContact(*verdict.first_contact, *checker.map(), markers);
     addUnseen(checker.evidence().unseenPlaces(), markers);
     addEvidenceAges(checker, markers);
@@ -329,7 +369,7 @@ MarkerArray toMarkers(const Verdict& verdict, const Checker& checker, const std:
     markers.add("exemptions", exemption.region.shape, *pose, color(0.2F, 0.9F, 0.9F, 0.3F));
   }
   addKeepOut(verdict, checker, frame, markers);
-  addText(verdict, *checker.model(), markers);
+  addText(verdict, cause, *checker.model(), markers);
   return markers.take();
 }
 

@@ -120,7 +120,8 @@ class RobotMarkerTest : public ::testing::Test {
     return checker_.check(now);
   }
   visualization_msgs::MarkerArray draw(const Verdict& verdict) {
-    return toMarkers(verdict, checker_, "odom");
+    cause_.follow(verdict, checker_.map());
+    return toMarkers(verdict, cause_, checker_, "odom");
   }
   std::vector<Marker> draw(const Verdict& verdict, const std::string& name) {
     std::vector<Marker> drawn;
@@ -137,6 +138,7 @@ class RobotMarkerTest : public ::testing::Test {
     return map;
   }
   Checker checker_{test::sliderModel(), {}};
+  StopCause cause_;
 };
 
 TEST_F(RobotMarkerTest, EachPrimitiveIsDrawnNowAndAheadWhereItIs) {
@@ -348,6 +350,43 @@ TEST_F(RobotMarkerTest, TheUnseenWayAheadIsShownAsPlacesAndAsAShare) {
   }
   const std::string text = draw(verdict, "status").at(0).text;
   EXPECT_NE(text.find(", 100 % unseen"), std::string::npos) << text;
+}
+
+TEST_F(RobotMarkerTest, WhatBroughtAStopAboutIsShownUntilItEnds) {
+  CuboidMap map = scene();
+  test::addCuboid(map, *map.grid.cellOf(Vector3(0.5, 0.01, 0.5)), 0.45, 0.55);
+  const Verdict verdict = judge(map);
+  ASSERT_TRUE(verdict.collision);
+  const std::string found = draw(verdict, "status").at(0).text;
+  EXPECT_TRUE(draw(verdict, "cause of the stop").empty()) << "the finding itself is shown";
+  const std::size_t touched = draw(verdict, "flagged cuboids").at(0).points.size();
+
+  Verdict slow = verdict;
+  slow.level = Level::kSlow;
+  slow.stop = false;
+  draw(slow);
+  draw(verdict);
+  Verdict after = verdict;
+  after.reason = Reason::kReleasing;
+  after.detail = "clear for 0.2 s of 0.5 s";
+  after.now.contacts.clear();
+  after.ahead.contacts.clear();
+  after.first_contact.reset();
+  const std::string text = draw(after, "status").at(0).text;
+  EXPECT_EQ(text.find("STOP COLLISION\n" + verdict.detail), 0U) << text;
+  EXPECT_EQ(found.find("STOP COLLISION\n" + verdict.detail), 0U) << found;
+  EXPECT_NE(text.find("\nnow RELEASING\n"), std::string::npos) << text;
+  EXPECT_GE(draw(after, "cause of the stop").at(0).points.size(), touched);
+
+  after.level = Level::kOk;
+  after.reason = Reason::kClear;
+  after.stop = false;
+  EXPECT_TRUE(draw(after, "cause of the stop").empty());
+  after.level = Level::kStop;
+  after.reason = Reason::kReleasing;
+  after.stop = true;
+  EXPECT_TRUE(draw(after, "cause of the stop").empty()) << "of this stop nothing is known";
+  EXPECT_EQ(draw(after, "status").at(0).text.find("STOP RELEASING"), 0U);
 }
 
 TEST_F(RobotMarkerTest, ALongTextStaysInTheViewInShortLines) {

@@ -23,7 +23,7 @@ def status(stamp=10.0, stop=True, reason="COLLISION_AHEAD", level=2):
     return types.SimpleNamespace(
         header=types.SimpleNamespace(stamp=Stamp(stamp)), level=level, reason=reason, stop=stop,
         detail="hand touches the map ahead", link="hand", serial=7, cuboids=42,
-        scan_to_verdict_s=0.0305, flagged=[])
+        scan_to_verdict_s=0.0305)
 
 
 def hand(stamp, metres):
@@ -77,6 +77,13 @@ class StoryTest(unittest.TestCase):
         for expected in ("700 ms", "750 ms (COLLISION_AHEAD", "125 mm", "not known"):
             self.assertIn(expected, text)
 
+    def test_a_beam_at_the_moment_of_the_appearance_came_after_no_time(self):
+        story = demo_report.Story(simulated=True)
+        story.truth.add({"event": "obstacle_appeared", "stamp_s": 9.0000001})
+        story.truth.add({"event": "first_beam", "stamp_s": 9.0})
+        story.add_status(status(stamp=9.75), 0.0)
+        self.assertRegex("\n".join(story.summary()), r"first beam returned: +0 ms")
+
     def test_no_stop_is_said(self):
         story = demo_report.Story(simulated=True)
         self.assertEqual(len(story.summary()), 1)
@@ -114,17 +121,6 @@ class RefusalTest(unittest.TestCase):
     def test_a_log_without_one_or_no_log_is_none(self):
         self.assertIsNone(self.refusal("[ INFO] [1.0]: hello\n"))
         self.assertIsNone(demo_report.refusal_in(pathlib.Path("/no/such/log")))
-
-
-class MarkersTest(unittest.TestCase):
-    def test_a_flagged_cuboid_is_marked_in_its_cell(self):
-        grid = types.SimpleNamespace(origin_x=0.0, origin_y=-1.0, cell_size=0.02, cells_x=75)
-        flag = types.SimpleNamespace(cell=75 * 2 + 1, bottom=0.7, top=0.8)
-        (centre, size), = demo_report.cuboid_boxes([flag], grid)
-        for value, expected in zip(centre, (0.03, -0.95, 0.75)):
-            self.assertAlmostEqual(value, expected)
-        for value, expected in zip(size, (0.022, 0.022, 0.11)):
-            self.assertAlmostEqual(value, expected)
 
 
 class TerminalTest(unittest.TestCase):
