@@ -8,7 +8,8 @@ endif()
 find_package(catkin REQUIRED COMPONENTS
   actionlib actionlib_msgs diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs
   message_generation nodelet pcl_conversions pluginlib rosbag_storage roscpp rosgraph_msgs roslib
-  sensor_msgs std_msgs std_srvs tf2 tf2_eigen tf2_msgs tf2_ros trajectory_msgs visualization_msgs)
+  sensor_msgs std_msgs std_srvs tf2 tf2_eigen tf2_msgs tf2_ros topic_tools trajectory_msgs
+  visualization_msgs)
 include(cmake/control_msgs.cmake)
 include(cmake/moveit_msgs.cmake)
 

@@ -36,7 +36,8 @@ std::string publisherOf(const rosbag::MessageInstance& message) {
   return message.getTopic() + " " + message.getCallerId();
 }
 
-/// @throws InputError where the bag cannot be read.
+}  // namespace
+
 void openBag(const std::string& path, rosbag::Bag& bag) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) throw InputError("no such bag: " + path);
@@ -50,7 +51,7 @@ void openBag(const std::string& path, rosbag::Bag& bag) {
   }
 }
 
-}  // namespace
+bool isStaticTransforms(const std::string& topic) { return isOneOf(topic, kStaticTransforms); }
 
 BagStream::BagStream(const std::string& path, const Topics& topics) : path_(path), topics_(topics) {
   openBag(path_, bag_);
@@ -135,7 +136,7 @@ void BagStream::pass(const rosbag::MessageInstance& message, const Sink& sink) c
   }
   // tf/tfMessage is the same message under its older name.
   const auto transforms = message.instantiate<tf2_msgs::TFMessage>();
-  if (transforms) sink.transforms(*transforms, isOneOf(message.getTopic(), kStaticTransforms));
+  if (transforms) sink.transforms(*transforms, isStaticTransforms(message.getTopic()));
 }
 
 }  // namespace tccm

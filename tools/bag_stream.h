@@ -9,6 +9,11 @@
 
 namespace tccm {
 
+/// @throws InputError where the bag cannot be read.
+void openBag(const std::string& path, rosbag::Bag& bag);
+/// Whether a topic has the transforms that do not move.
+[[nodiscard]] bool isStaticTransforms(const std::string& topic);
+
 /// The messages of a bag that concern the monitor, in the order they were recorded, from files with
 /// or without compression.
 class BagStream : public Recording {

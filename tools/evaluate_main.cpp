@@ -125,20 +125,6 @@ struct Dumps {
   }
 };
 
-void play(const Recording& recording, Evaluation& evaluation) {
-  Recording::Sink sink;
-  const auto add = [&](const auto& message, std::size_t sensor, const auto& from) {
-    evaluation.add(message, sensor, from);
-  };
-  sink.scan = add;
-  sink.cloud = add;
-  sink.joint_states = [&](const auto& message, const auto& from) { evaluation.add(message, from); };
-  sink.transforms = [&](const auto& message, bool fixed) { evaluation.add(message, fixed); };
-  sink.progress = progressBar();
-  recording.play(sink);
-  evaluation.finish();
-}
-
 /// From x y z [m] and roll pitch yaw [rad], as a URDF's origin has it.
 Pose poseOf(const std::vector<double>& numbers) {
   Pose pose = Pose::Identity();
@@ -198,7 +184,7 @@ int evaluate(Options& options) {
     };
   }
   Evaluation evaluation(settings, model, observer);
-  play(*recording, evaluation);
+  play(*recording, evaluation, progressBar());
   requireFixedFrame(evaluation);
   for (std::size_t i = 0; i < dumps.cuboids.size(); ++i) {
     const CuboidMap* map = evaluation.monitor().map(i);

@@ -258,4 +258,19 @@ void Evaluation::noteStop(const Verdict& verdict) {
   stopped_ = verdict.stop;
 }
 
+void play(const Recording& recording, Evaluation& evaluation,
+          const std::function<void(double fraction)>& progress) {
+  Recording::Sink sink;
+  const auto add = [&](const auto& message, std::size_t sensor, const auto& from) {
+    evaluation.add(message, sensor, from);
+  };
+  sink.scan = add;
+  sink.cloud = add;
+  sink.joint_states = [&](const auto& message, const auto& from) { evaluation.add(message, from); };
+  sink.transforms = [&](const auto& message, bool fixed) { evaluation.add(message, fixed); };
+  sink.progress = progress;
+  recording.play(sink);
+  evaluation.finish();
+}
+
 }  // namespace tccm

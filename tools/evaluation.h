@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "monitor_config.h"
+#include "recording.h"
 #include "ros/cloud_reader.h"
 #include "ros/cloud_source.h"
 #include "ros/scan_source.h"
@@ -187,5 +188,9 @@ class Evaluation {
   bool in_a_run_ = false;  ///< the last stop run may go on: time did not jump since
   Totals totals_;
 };
+
+/// Plays all of it, and finishes.
+void play(const Recording& recording, Evaluation& evaluation,
+          const std::function<void(double fraction)>& progress);
 
 }  // namespace tccm

@@ -53,6 +53,9 @@ void dumpVisibility(const Verdict& verdict, const Checker& checker, CsvFile& fil
 void printSummary(const nlohmann::ordered_json& summary, std::ostream& out);
 /// A line for each of the first 20 stops: when, for how long, reason, link and detail.
 void printStops(const Totals& totals, std::ostream& out);
+/// Why a sensor's scans were dropped for that reason, and what to set.
+[[nodiscard]] std::string dropText(const Evaluation& evaluation, const MonitorConfig& settings,
+                                   std::size_t sensor, const std::string& reason);
 /// One line: why the scans were dropped, and what to set. @pre no scan was mapped
 [[nodiscard]] std::string whyNothingMapped(const Evaluation& evaluation,
                                            const MonitorConfig& settings);

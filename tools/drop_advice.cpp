@@ -1,4 +1,4 @@
-// What is said of a recording of which no scan reached the map.
+// Why scans did not reach the map, and what to do about it.
 #include <algorithm>
 #include <map>
 #include <string>
@@ -112,19 +112,26 @@ std::size_t worstOf(const Totals& totals) {
 
 }  // namespace
 
+std::string dropText(const Evaluation& evaluation, const MonitorConfig& settings,
+                     std::size_t sensor, const std::string& reason) {
+  const auto& all_details = evaluation.totals().sensors[sensor].drop_details;
+  const auto details = all_details.find(reason);
+  const std::string detail =
+      details == all_details.end() ? "" : ", " + commonestOf(details->second);
+  return reason + detail + "; " +
+         Advice(evaluation, settings, settings.sensors()[sensor]).on(reason);
+}
+
 std::string whyNothingMapped(const Evaluation& evaluation, const MonitorConfig& settings) {
   if (evaluation.totals().scans_dropped.empty()) return "no scan was mapped: none came";
   const std::size_t worst = worstOf(evaluation.totals());
   const ScanTotals& totals = evaluation.totals().sensors[worst];
   const SensorConfig sensor = settings.sensors()[worst];
   const std::string reason = commonestOf(totals.scans_dropped);
-  const auto details = totals.drop_details.find(reason);
-  const std::string detail =
-      details == totals.drop_details.end() ? "" : ", " + commonestOf(details->second);
-  return formatted("no %s was mapped, %zu of %zu were dropped: %s%s; ",
+  return formatted("no %s was mapped, %zu of %zu were dropped: ",
                    sensor.cloud_assembler ? "cloud" : "scan", totals.scans_dropped.at(reason),
-                   totals.scans_received, reason.c_str(), detail.c_str()) +
-         Advice(evaluation, settings, sensor).on(reason);
+                   totals.scans_received) +
+         dropText(evaluation, settings, worst, reason);
 }
 
 }  // namespace tccm

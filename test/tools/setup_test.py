@@ -1,0 +1,217 @@
+#!/usr/bin/python3
+"""The program `setup` on recordings of the simulated robot, sound ones and such with a fault.
+
+Environment: TCCM_SETUP, TCCM_SIMULATE, TCCM_EVALUATE: the programs. TCCM_SHARED_DATA: folder of others'
+recordings; what needs it is skipped without.
+"""
+
+import json
+import os
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+import rosbag
+import yaml
+
+REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
+URDF = REPOSITORY / "simulation" / "robot" / "dual_arm.urdf"
+SHARED = pathlib.Path(os.environ.get("TCCM_SHARED_DATA") or "none")
+
+
+class SetupTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.scratch = tempfile.TemporaryDirectory()
+        cls.folder = pathlib.Path(cls.scratch.name)
+        cls.sound = cls.record("sound.bag", "--sensors", "laser")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.scratch.cleanup()
+
+    @classmethod
+    def record(cls, name, *arguments):
+        bag = cls.folder / name
+        subprocess.run([os.environ["TCCM_SIMULATE"], "--bag", bag, "--duration-s", "9", "--speed", "0.1",
+                        "--seed", "3", *arguments], check=True, capture_output=True, timeout=300)
+        return bag
+
+    def changed(self, name, change):
+        """@param change (topic, message): gives the messages to put in place of one."""
+        bag = self.folder / name
+        with rosbag.Bag(str(self.sound)) as source, rosbag.Bag(str(bag), "w") as target:
+            for topic, message, stamp in source.read_messages():
+                for other_topic, other in change(topic, message):
+                    target.write(other_topic, other, stamp)
+        return bag
+
+    def set_up(self, bag, *arguments, status=0, urdf=URDF, out="robot.yaml"):
+        """@return the lines that say what is wrong."""
+        command = [os.environ["TCCM_SETUP"], "--out", self.folder / out, *arguments]
+        command += ["--bag", bag] if bag else []
+        command += ["--urdf", urdf] if urdf else []
+        done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False,
+                              env={**os.environ, "ROS_MASTER_URI": "http://localhost:1"})
+        self.assertEqual(done.returncode, status, done.stdout + done.stderr)
+        self.error = done.stderr
+        return [line[len("wrong: "):] for line in done.stdout.splitlines()
+                if line.startswith("wrong: ")]
+
+    def config(self, out="robot.yaml"):
+        return yaml.safe_load((self.folder / out).read_text())
+
+    def evaluate(self, bag, out="robot.yaml", urdf=URDF, packages=None):
+        folder = self.folder / "evaluated"
+        command = [os.environ["TCCM_EVALUATE"], "--bag", bag, "--config", self.folder / out, "--out", folder]
+        command += ["--urdf", urdf] if urdf else []
+        command += ["--package-path", packages] if packages else []
+        done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return json.loads((folder / "summary.json").read_text())
+
+    def test_a_sound_robot_gets_a_config_with_which_it_may_move(self):
+        self.assertEqual(self.set_up(self.sound), [])
+        config = self.config()
+        self.assertEqual(config["topics"]["scan"], "/scan")
+        self.assertEqual(config["collision_checker"]["fixed_frame"], "base_link")
+        mapper = config["tccm_mapper"]
+        self.assertTrue(0.01 < mapper["height_min_m"] <= 0.1, "the floor lies at 0")
+        self.assertLess(mapper["area_origin_x_m"], -0.5)
+        self.assertGreater(mapper["area_origin_x_m"] + mapper["area_size_x_m"], 0.8)
+        self.assertIn("right_palm_link", config["collision_checker"]["evidence_links"])
+        comments = [line for line in (self.folder / "robot.yaml").read_text().splitlines() if "#" in line]
+        self.assertTrue(any("floor" in line for line in comments))
+        summary = self.evaluate(self.sound)
+        self.assertGreater(summary["scans"], 300)
+        self.assertLess(summary["stop_fraction"], 0.5)
+        self.assertEqual(set(summary["sight"]["stop_by_reason"]), {"INIT"})
+
+    def test_two_runs_write_the_same(self):
+        for out in ("one.yaml", "two.yaml"):
+            self.set_up(self.sound, out=out)
+        self.assertEqual((self.folder / "one.yaml").read_bytes(), (self.folder / "two.yaml").read_bytes())
+
+    def test_each_of_several_sensors_gets_a_section(self):
+        bag = self.record("both.bag", "--sensors", "laser", "--sensors", "camera")
+        self.assertEqual(self.set_up(bag), [])
+        config = self.config()
+        self.assertEqual(config["collision_checker"]["sensors"], [{"name": "camera"}, {"name": "scan"}])
+        self.assertEqual(config["camera"]["topic"], "/camera/depth/color/points")
+        self.assertIn("cloud_assembler", config["camera"])
+        self.assertIn("tilt_scan_assembler", config["scan"])
+        self.assertGreater(self.evaluate(bag)["scans"], 300)
+
+    def test_a_check_writes_nothing(self):
+        self.assertEqual(self.set_up(self.sound, "--check", out="none.yaml"), [])
+        self.assertFalse((self.folder / "none.yaml").exists())
+
+    def assert_found(self, bag, *words, **how):
+        lines = self.set_up(bag, "--check", status=1, **how)
+        self.assertEqual(len(lines), 1, lines)
+        for word in words:
+            self.assertIn(word, lines[0])
+
+    def test_positions_in_degrees_are_named(self):
+        def degrees(topic, message):
+            if topic == "/joint_states":
+                message.position = [57.3 * position + 90.0 for position in message.position]
+            return [(topic, message)]
+        self.assert_found(self.changed("degrees.bag", degrees), "JOINT_OUT_OF_RANGE", "degrees?")
+
+    def test_a_joint_that_nobody_publishes_is_named(self):
+        def without(topic, message):
+            if topic == "/joint_states":
+                kept = [i for i, name in enumerate(message.name) if name != "right_elbow_joint"]
+                for field in ("name", "position", "velocity"):
+                    values = getattr(message, field)
+                    setattr(message, field, [values[i] for i in kept] if values else [])
+            return [(topic, message)]
+        self.assert_found(self.changed("missing.bag", without), "right_elbow_joint", "fixed_joints")
+
+    def test_a_second_publisher_of_zeros_is_named(self):
+        def twice(topic, message):
+            if topic != "/joint_states":
+                return [(topic, message)]
+            zeros = type(message)(header=message.header, name=list(message.name),
+                                  position=[0.0] * len(message.name))
+            return [(topic, zeros), (topic, message)]
+        self.assert_found(self.changed("twice.bag", twice), "JOINT_CONTRADICTED", "one node")
+
+    def test_a_laser_that_does_not_tilt_is_named(self):
+        def still(topic, message):
+            if topic == "/tf":
+                for transform in message.transforms:
+                    if "tilt" in transform.child_frame_id:
+                        transform.transform.rotation.x = transform.transform.rotation.y = 0.0
+                        transform.transform.rotation.z, transform.transform.rotation.w = 0.0, 1.0
+            return [(topic, message)]
+        self.assert_found(self.changed("still.bag", still), "tilts")
+
+    def test_scans_of_another_frame_are_named(self):
+        def other(topic, message):
+            if topic == "/scan":
+                message.header.frame_id = "nowhere"
+            return [(topic, message)]
+        self.assert_found(self.changed("frame.bag", other), "tilts")
+
+    def test_a_robot_and_a_config_alone_are_checked(self):
+        surplus = self.folder / "surplus.urdf"
+        sound = URDF.read_text()
+        place = sound.index("</geometry>", sound.index("<collision>"))
+        surplus.write_text(sound[:place] + "</geometry><geometry><sphere radius='1'/>" + sound[place:])
+        self.assert_found(None, "more than one <geometry>", urdf=surplus)
+        twice = self.folder / "twice.yaml"
+        twice.write_text("tccm_mapper:\n  cell_size_m: 0.02\n  cell_size_m: 0.01\n")
+        lines = self.set_up(None, "--check", "--config", twice, status=1)
+        self.assertIn("line 3", lines[0])
+
+    def test_bad_input_is_one_line(self):
+        for bag, urdf in ((self.folder / "none.bag", URDF), (None, None)):
+            self.set_up(bag, status=2, urdf=urdf)
+            self.assertEqual(len(self.error.splitlines()), 1, self.error)
+
+    def test_recordings_of_others_get_a_config_that_maps_and_checks(self):
+        if not SHARED.is_dir():
+            self.skipTest("TCCM_SHARED_DATA names no folder of recordings")
+        robots = SHARED / "robots"
+        for bag, robot in (("pr2_at_table/both_arms_wave", robots / "pr2_moveit" / "pr2.urdf"),
+                           ("hrl_tabletop/tabletop_4_half_sweeps", None)):
+            with self.subTest(bag):
+                path = SHARED / "bags" / f"{bag}.bag"
+                packages = robot.parent / "packages" if robot else None
+                more = ["--package-path", packages] if packages else []
+                self.assertEqual(self.set_up(path, *more, urdf=robot), [])
+                summary = self.evaluate(path, urdf=robot, packages=packages)
+                self.assertEqual(summary["scans"], 652)
+                self.assertGreater(summary["checks"] if robot else 1, 0)
+
+    def test_what_is_wrong_with_others_cases_is_named_in_one_line(self):
+        cases = SHARED / "cases"
+        if not cases.is_dir():
+            self.skipTest("TCCM_SHARED_DATA names no folder with cases")
+        for folder, bag, robot, word in (
+                ("mesh-in-mm", "control_rad.bag", "mm.urdf", "millimetres"),
+                ("units", "units/deg.bag", "arm.urdf", "degrees"),
+                ("scan-angles-contradict", "scan-angles-contradict/contra_rad.bag", "arm.urdf", "angle_max"),
+                ("two-lasers-one-topic", "two-lasers-one-topic/two_rad.bag", "arm.urdf", "base_laser"),
+                ("latch-lost-by-time-step", "latch-lost-by-time-step/latch_step.bag", "arm.urdf",
+                 "jumped back"),
+                ("urdf-surplus-geometry", None, "two_geometries.urdf", "<geometry>")):
+            with self.subTest(folder):
+                config = next((cases / folder).glob("cfg*.yaml"), None)
+                more = ["--config", config] if config else []
+                packages = cases / folder / "packages"
+                more += ["--package-path", packages] if packages.is_dir() else []
+                lines = self.set_up(cases / bag if bag else None, "--check", *more, status=1,
+                                    urdf=cases / folder / robot)
+                self.assertEqual(len(lines), 1, lines)
+                self.assertIn(word, lines[0])
+        units = cases / "units"
+        self.assertEqual(self.set_up(cases / "control_rad.bag", "--check", "--config", units / "cfg.yaml",
+                                     urdf=units / "arm.urdf"), [])
+
+
+if __name__ == "__main__":
+    unittest.main()

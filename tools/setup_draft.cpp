@@ -1,0 +1,392 @@
+#include "setup_draft.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <random>
+#include <set>
+
+#include "robot/kinematics.h"
+
+namespace tccm {
+namespace {
+
+constexpr double kTiltMin = 0.1;       // [rad] from which on a laser tilts
+constexpr int kPoses = 2000;           // that the arms' reach is taken from
+constexpr double kAreaMargin = 0.1;    // [m]
+constexpr double kAround = 0.5;        // [m] around a robot without arms
+constexpr double kAreaStep = 0.05;     // [m]
+constexpr double kAreaMax = 4.0;       // [m]
+constexpr double kFloorMargin = 0.02;  // [m]
+constexpr double kVisibleMin = 0.6;    // of a silhouette: a link that sensors see
+constexpr std::size_t kArmJoints = 3;  // a link that so many joints move is one of an arm
+constexpr std::size_t kSensorsMax = 4;
+constexpr double kHeadroom = 1.3;  // limits are so much above what was heard
+
+std::vector<std::string> partsOf(const std::string& topic) {
+  std::vector<std::string> parts;
+  std::string part;
+  for (const char c : topic + "/") {
+    if (c != '/') {
+      part += c;
+    } else if (!part.empty()) {
+      parts.push_back(std::move(part));
+      part.clear();
+    }
+  }
+  return parts;
+}
+
+/// By how many joints that move each link is moved.
+std::vector<std::size_t> depthsOf(const RobotModel& model) {
+  std::vector<std::size_t> depths(model.links().size(), 0);
+  for (const RobotJoint& joint : model.joints()) {
+    const bool moves = joint.motion != RobotJoint::Motion::kFixed;
+    depths[joint.child] = depths[joint.parent] + (moves ? 1 : 0);
+  }
+  return depths;
+}
+
+/// Links that have a shape, and are moved by at least so many joints.
+std::set<std::size_t> linksFrom(const RobotModel& model, std::size_t joints) {
+  const std::vector<std::size_t> depths = depthsOf(model);
+  std::set<std::size_t> links;
+  for (const LinkShape& shape : model.shapes()) {
+    if (depths[shape.link] >= joints) links.insert(shape.link);
+  }
+  return links;
+}
+
+std::size_t mostJoints(const RobotModel& model) {
+  const std::vector<std::size_t> depths = depthsOf(model);
+  std::size_t most = 0;
+  for (const LinkShape& shape : model.shapes()) most = std::max(most, depths[shape.link]);
+  return most;
+}
+
+/// Somewhere between its limits, and within half a turn where it has none; sliding ones without
+/// limits stay at 0.
+double somewhere(const JointVariable& variable, bool slides, std::mt19937& random) {
+  const double free = slides ? 0.0 : M_PI;
+  const double lower = std::max(variable.lower.value_or(-free), slides ? -10.0 : -M_PI);
+  const double upper = std::min(variable.upper.value_or(free), slides ? 10.0 : M_PI);
+  const double share = static_cast<double>(random()) / static_cast<double>(std::mt19937::max());
+  return lower + share * std::max(0.0, upper - lower);
+}
+
+double roundedTo(double value, double step) { return step * std::ceil(value / step - 1e-9); }
+double roundedDown(double metres) { return kAreaStep * std::floor(metres / kAreaStep + 1e-9); }
+double roundedUp(double metres) { return roundedTo(metres, kAreaStep); }
+
+}  // namespace
+
+SetupDraft::SetupDraft(const Survey& survey, std::shared_ptr<const RobotModel> model)
+    : survey_(survey), model_(std::move(model)) {
+  text_.remark(
+      "Written by `rosrun tccm_monitor setup` from what the robot published. It holds what");
+  text_.remark("differs from config/default.yaml; docs/parameters.md has all parameters.");
+  chooseFixedFrame();
+  chooseSensors();
+  if (model_) {
+    chooseArea();
+    chooseLinks();
+  }
+  chooseTimes();
+}
+
+void SetupDraft::chooseFixedFrame() {
+  std::set<std::string> known;
+  for (const auto& [name, frame] : survey_.frames) known.insert({name, frame.parent});
+  if (model_) base_frame_ = model_->rootFrames().front();
+  if (known.count(base_frame_) == 0 && !survey_.sensors.empty()) {
+    const Survey::Sensor& first = survey_.sensors.front();
+    const std::string top = survey_.upFrom(*first.frames.begin()).back();
+    if (!model_) base_frame_ = top;
+  }
+  const std::vector<std::string> moving = survey_.movingBelow(base_frame_, "");
+  fixed_frame_ = moving.empty() ? base_frame_ : survey_.frames.at(moving.front()).parent;
+  for (const std::string& name : survey_.upFrom(base_frame_)) {
+    if (name == fixed_frame_) break;
+    T_fixed_base_ = survey_.frames.at(name).begin * T_fixed_base_;
+  }
+  const std::string why =
+      moving.empty() ? "the robot's root, as nothing moves it"
+                     : formatted("'%s' moves in it, by %.2f m and %.2f rad", moving.front().c_str(),
+                                 survey_.frames.at(moving.front()).travel_m,
+                                 survey_.frames.at(moving.front()).turn_rad);
+  text_.set("collision_checker", "fixed_frame", fixed_frame_, why);
+}
+
+bool SetupDraft::tilts(const Survey::Sensor& sensor) const {
+  const std::vector<std::string> of_base = survey_.upFrom(base_frame_);
+  const std::vector<std::string> moving = survey_.movingBelow(*sensor.frames.begin(), "");
+  return std::any_of(moving.begin(), moving.end(), [&](const std::string& name) {
+    const bool is_of_base = std::find(of_base.begin(), of_base.end(), name) != of_base.end();
+    return !is_of_base && survey_.frames.at(name).turn_rad > kTiltMin;
+  });
+}
+
+void SetupDraft::chooseSensors() {
+  std::set<std::string> cloud_frames;
+  for (const Survey::Sensor& sensor : survey_.sensors) {
+    const bool is_new = !sensor.is_cloud || cloud_frames.insert(*sensor.frames.begin()).second;
+    if (!is_new || sensors_.size() == kSensorsMax) {
+      text_.remark("Left out: " + sensor.topic +
+                   (is_new ? ": there are others enough" : ": another topic has the same frame"));
+    } else if (sensor.is_cloud || tilts(sensor)) {
+      sensors_.push_back({"", &sensor});
+    } else {
+      text_.remark("Left out: " + sensor.topic + ": this laser does not tilt, and sees one plane");
+    }
+  }
+  const bool is_alone = sensors_.size() == 1 && !sensors_.front().heard->is_cloud;
+  std::set<std::string> names;
+  std::string list;
+  for (Sensor& sensor : sensors_) {
+    if (!is_alone) {
+      const std::vector<std::string> parts = partsOf(sensor.heard->topic);
+      std::string name = sensor.heard->is_cloud ? parts.front() : parts.back();
+      while (!names.insert(name).second) name += "_2";
+      sensor.name = name;
+      list += (list.empty() ? "{name: " : ", {name: ") + name + "}";
+    }
+    configure(sensor);
+  }
+  if (!list.empty()) text_.set("collision_checker", "sensors", "[" + list + "]", "");
+}
+
+std::string SetupDraft::sectionOf(const Sensor& sensor, const std::string& stage) const {
+  return sensor.name.empty() ? stage : sensor.name + "/" + stage;
+}
+
+void SetupDraft::configure(const Sensor& sensor) {
+  const Survey::Sensor& heard = *sensor.heard;
+  const std::string stage =
+      heard.is_cloud ? SensorConfig::kCloudAssembler : SensorConfig::kScanAssembler;
+  const std::string assembler = sectionOf(sensor, stage);
+  const std::string mapper = sectionOf(sensor, SensorConfig::kMapper);
+  const std::string why = formatted("%zu messages, %.3g a second, in '%s'", heard.messages,
+                                    heard.rate(), heard.frames.begin()->c_str());
+  if (sensor.name.empty()) {
+    text_.set("topics", "scan", heard.topic, why);
+  } else {
+    text_.set(sensor.name, "topic", heard.topic, why);
+  }
+  text_.set(assembler, "fixed_frame", fixed_frame_, "");
+  if (!model_) text_.set(assembler, "self_filter", "false", "no robot is known");
+  if (heard.is_cloud) configureCloud(sensor);
+  if (!heard.is_cloud && heard.points_max > 4096) {
+    text_.set(assembler, "scan_beams_max", static_cast<double>(heard.points_max), "");
+  }
+  double gap_s = 0.0;
+  for (const std::string& name : survey_.movingBelow(*heard.frames.begin(), fixed_frame_)) {
+    gap_s = std::max(gap_s, survey_.frames.at(name).longestGap(kGapMax));
+  }
+  if (kHeadroom * gap_s > 0.1) {
+    text_.set(assembler, "transform_gap_max_s", roundedTo(kHeadroom * gap_s, 0.01),
+              formatted("transforms were silent for up to %.0f ms", 1e3 * gap_s));
+  }
+  const double longest_s = heard.longestGap(kPeriodsMax / std::max(1.0, heard.rate()));
+  const double scan_gap_s = kHeadroom * longest_s;
+  const std::string gap_why = formatted("scans were silent for up to %.0f ms", 1e3 * longest_s);
+  if (scan_gap_s > 0.25) text_.set(mapper, "scan_gap_max_s", roundedTo(scan_gap_s, 0.01), gap_why);
+}
+
+void SetupDraft::configureCloud(const Sensor& sensor) {
+  constexpr std::size_t kCameraRows = 200;
+  const Survey::Sensor& heard = *sensor.heard;
+  const std::string assembler = sectionOf(sensor, SensorConfig::kCloudAssembler);
+  const std::string mapper = sectionOf(sensor, SensorConfig::kMapper);
+  if (heard.points_max > 400000) {
+    text_.set(assembler, "cloud_points_max", static_cast<double>(heard.points_max), "");
+  }
+  if (heard.rows_max >= kCameraRows) {
+    text_.set(mapper, "hold_support_points", "4", "a camera's flying pixels must not gather");
+  } else {
+    text_.set(assembler, "range_max_m", "10.0", "taken for a lidar, as it has few rows");
+    text_.set(assembler, "range_noise_m", "0.03", "");
+    text_.set(assembler, "range_noise_per_m2", "0.0", "");
+    text_.set(assembler, "look_block_rad", "0.035", "");
+  }
+  const double rate = std::max(1.0, heard.rate());
+  text_.set(mapper, "window_s", std::max(0.3, std::ceil(50.0 / rate) / 10.0),
+            "five clouds or more");
+}
+
+void SetupDraft::chooseArea() {
+  const bool has_arms = mostJoints(*model_) >= kArmJoints;
+  const std::set<std::size_t> arms = linksFrom(*model_, has_arms ? kArmJoints : 0);
+  Kinematics kinematics(model_);
+  std::mt19937 random;  // NOLINT(cert-msc51-cpp): the same at every run
+  UprightBox reach;
+  bottom_m_ = INFINITY;
+  std::vector<double> positions(model_->variables().size());
+  const std::vector<Pose> roots(model_->roots().size(), T_fixed_base_);
+  for (int i = 0; i < kPoses; ++i) {
+    for (std::size_t v = 0; v < positions.size(); ++v) {
+      positions[v] = somewhere(model_->variables()[v], model_->slides(v), random);
+    }
+    const Posture& posture = kinematics.update(positions, roots);
+    for (std::size_t s = 0; s < model_->shapes().size(); ++s) {
+      const LinkShape& shape = model_->shapes()[s];
+      const UprightBox box = bounds(shape.shape, posture.T_fixed_shapes[s]);
+      if (arms.count(shape.link) > 0) reach.extend(box);
+      if (!has_arms || arms.count(shape.link) == 0) {
+        bottom_m_ = std::min(bottom_m_, box.min().z());
+      }
+    }
+  }
+  if (!std::isfinite(bottom_m_)) bottom_m_ = T_fixed_base_.translation().z();
+  const std::string why =
+      has_arms ? formatted("the reach of what %zu joints or more move, by the URDF", kArmJoints)
+               : formatted("the robot, which has no arms, and %.1f m around it", kAround);
+  const double margin = has_arms ? kAreaMargin : kAround;
+  const char* const keys[] = {"x", "y"};
+  for (const Sensor& sensor : sensors_) {
+    const std::string mapper = sectionOf(sensor, SensorConfig::kMapper);
+    for (int axis = 0; axis < 2; ++axis) {
+      const double middle = reach.center()[axis];
+      const double half = std::min(0.5 * kAreaMax, 0.5 * reach.sizes()[axis] + margin);
+      const double origin = roundedDown(middle - half);
+      text_.set(mapper, formatted("area_origin_%s_m", keys[axis]), origin, axis == 0 ? why : "");
+      text_.set(mapper, formatted("area_size_%s_m", keys[axis]), roundedUp(middle + half - origin),
+                "");
+    }
+    text_.set(mapper, "height_max_m", roundedUp(reach.max().z() + margin), "likewise");
+  }
+}
+
+void SetupDraft::chooseLinks() {
+  const std::size_t most = mostJoints(*model_);
+  if (most < kArmJoints) {
+    text_.set("collision_checker", "check_occlusion", "false", "the robot has no arms");
+    text_.set("collision_checker", "unseen_fraction_max", "1.0", "likewise");
+    return;
+  }
+  for (const std::size_t link : linksFrom(*model_, (2 * most + 2) / 3)) {
+    hands_.push_back(model_->links()[link]);
+  }
+  text_.set("collision_checker", "occlusion_links", yamlList(hands_),
+            "those that most joints move");
+  text_.set("collision_checker", "evidence_links", yamlList(hands_), "");
+  if (!model_->linksWithoutShape().empty()) {
+    text_.remark("Not watched, as they have no shape: " + yamlList(model_->linksWithoutShape()));
+  }
+}
+
+void SetupDraft::chooseTimes() {
+  if (!model_) return;
+  std::set<std::string> wanted;
+  for (const JointVariable& variable : model_->variables()) wanted.insert(variable.name);
+  joint_topic_ = survey_.topicOfJoints(wanted);
+  if (joint_topic_.empty()) return;
+  if (joint_topic_ != "/joint_states") text_.set("topics", "joint_states", joint_topic_, "");
+  std::string latest;
+  double gap_s = 0.0;
+  for (const auto& [name, joint] : survey_.joints.at(joint_topic_)) {
+    const double longest_s = joint.longestGap(kGapMax);  // a longer one is a fault, and told
+    if (wanted.count(name) == 0 || longest_s <= gap_s) continue;
+    gap_s = longest_s;
+    latest = name;
+  }
+  if (kHeadroom * gap_s <= 0.1) return;
+  const std::string why = formatted("%s was silent for up to %.0f ms", latest.c_str(), 1e3 * gap_s);
+  for (const Sensor& sensor : sensors_) {
+    const char* stage =
+        sensor.heard->is_cloud ? SensorConfig::kCloudAssembler : SensorConfig::kScanAssembler;
+    text_.set(sectionOf(sensor, stage), "joint_gap_max_s", roundedTo(kHeadroom * gap_s, 0.01), why);
+  }
+}
+
+MonitorConfig SetupDraft::settings() const {
+  const auto path = std::filesystem::temp_directory_path() /
+                    formatted("tccm_monitor_setup_%d.yaml", static_cast<int>(getpid()));
+  writeText(path.string(), yaml());
+  try {
+    MonitorConfig settings = readMonitorConfig(path.string());
+    std::filesystem::remove(path);
+    return settings;
+  } catch (...) {
+    std::filesystem::remove(path);
+    throw;
+  }
+}
+
+MonitorConfig SetupDraft::trialSettings() const {
+  constexpr double kBelow = 0.5;           // [m] the robot's lowest part
+  constexpr std::size_t kScansMax = 8192;  // of a tilt that takes minutes
+  MonitorConfig trial = settings();
+  trial.checker.checker.permission.hold_until_reset = false;
+  trial.checker.checker.inputs.joint_timeout_s = kGapMax;
+  const auto widen = [this](MapperConfig& config) {
+    IntegrationMap::Config& map = config.mapper.map;
+    map.grid.height_min_m = bottom_m_ - kBelow;
+    map.grid.height_max_m = std::max(map.grid.height_max_m, bottom_m_ + kBelow);
+    map.scans_max = kScansMax;
+  };
+  widen(trial.mapper);
+  for (SensorConfig& sensor : trial.named_sensors) widen(sensor.mapper);
+  return trial;
+}
+
+void SetupDraft::setTimes(const Lessons& lessons) {
+  const double timeout_s = roundedTo(kHeadroom * lessons.joint_age_s, 0.01);
+  if (timeout_s > 0.1) {
+    text_.set("collision_checker", "joint_timeout_s", timeout_s,
+              formatted("joint states were up to %.0f ms old", 1e3 * lessons.joint_age_s));
+  }
+  double most = 0.0;
+  std::string why;
+  for (std::size_t i = 0; model_ && i < sensors_.size(); ++i) {
+    const double age_s = lessons.map_ages_s[i];
+    const double periods = std::ceil(kHeadroom * age_s * sensors_[i].heard->rate());
+    if (periods <= most) continue;
+    most = periods;
+    why = formatted("%s was up to %.0f ms old", sensors_[i].heard->topic.c_str(), 1e3 * age_s);
+  }
+  if (most > 3.0) text_.set("collision_checker", "scan_timeout_periods", most, why);
+}
+
+void SetupDraft::setFloor(const std::optional<Floor>& floor) {
+  const double lowest =
+      floor ? floor->highest_m + 3.0 * floor->noise_m + kFloorMargin : bottom_m_ - kAreaStep;
+  const std::string why = floor ? formatted("the floor lies at %.3f, with a noise of %.1f mm",
+                                            floor->highest_m, 1e3 * floor->noise_m)
+                                : "no floor was seen: a little below the robot's lowest part";
+  for (const Sensor& sensor : sensors_) {
+    text_.set(sectionOf(sensor, SensorConfig::kMapper), "height_min_m", roundedTo(lowest, 0.01),
+              why);
+  }
+}
+
+void SetupDraft::learn(const Lessons& lessons) {
+  for (std::size_t i = 0; i < sensors_.size(); ++i) {
+    if (!lessons.tilt_periods_s[i]) continue;
+    // Before a whole period is measured the window holds what came since the start.
+    const double scans = 2.2 * *lessons.tilt_periods_s[i] * sensors_[i].heard->rate();
+    if (scans <= 512.0) continue;
+    text_.set(sectionOf(sensors_[i], SensorConfig::kMapper), "window_scans_max",
+              256.0 * std::ceil(scans / 256.0),
+              formatted("a tilt period is %.2f s", *lessons.tilt_periods_s[i]));
+  }
+  setFloor(findFloor(lessons.points, bottom_m_));
+  setTimes(lessons);
+  if (hands_.empty()) return;
+  std::vector<std::string> seen;
+  for (const std::string& link : hands_) {
+    const auto visible = lessons.visible.find(link);
+    if (visible != lessons.visible.end() && visible->second >= kVisibleMin) seen.push_back(link);
+  }
+  if (seen.empty()) {
+    text_.remove("collision_checker", "occlusion_links");
+    text_.set("collision_checker", "check_occlusion", "false",
+              "no sensor saw the hands: those that would be watched are in evidence_links");
+  } else {
+    text_.set("collision_checker", "occlusion_links", yamlList(seen),
+              formatted("seen well, of %zu that most joints move", hands_.size()));
+  }
+}
+
+}  // namespace tccm

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "evaluation.h"
+#include "survey.h"
+
+namespace tccm {
+
+/// What would stop the robot, or blind the monitor, though nothing is near: a line each, with what
+/// to do. What was found near the robot is none of it.
+/// @param evaluation of what was heard, finished.
+[[nodiscard]] std::vector<std::string> findingsOf(const Evaluation& evaluation,
+                                                  const MonitorConfig& settings,
+                                                  const Survey& survey);
+
+}  // namespace tccm
