@@ -218,6 +218,7 @@ void SetupDraft::configureCloud(const Sensor& sensor) {
 void SetupDraft::chooseArea() {
   const bool has_arms = mostJoints(*model_) >= kArmJoints;
   const std::set<std::size_t> arms = linksFrom(*model_, has_arms ? kArmJoints : 0);
+  const std::set<std::size_t> moved = linksFrom(*model_, 1);
   Kinematics kinematics(model_);
   std::mt19937 random;  // NOLINT(cert-msc51-cpp): the same at every run
   UprightBox reach;
@@ -233,9 +234,7 @@ void SetupDraft::chooseArea() {
       const LinkShape& shape = model_->shapes()[s];
       const UprightBox box = bounds(shape.shape, posture.T_fixed_shapes[s]);
       if (arms.count(shape.link) > 0) reach.extend(box);
-      if (!has_arms || arms.count(shape.link) == 0) {
-        bottom_m_ = std::min(bottom_m_, box.min().z());
-      }
+      if (moved.count(shape.link) == 0) bottom_m_ = std::min(bottom_m_, box.min().z());
     }
   }
   if (!std::isfinite(bottom_m_)) bottom_m_ = T_fixed_base_.translation().z();
