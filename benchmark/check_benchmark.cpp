@@ -44,8 +44,7 @@ void checkTwoPoses(benchmark::State& state, bool occlusion, double shoulder) {
       ahead.place(positions_ahead, {Pose::Identity()});
       now.findContacts(map, findings);
       ahead.findContacts(map, findings_ahead);
-      now.findOcclusion(map, findings);
-      ahead.findOcclusion(map, findings_ahead, &now);
+      now.findOcclusion(map, findings, ahead, findings_ahead);
     });
   }
   latencies.report(state);

@@ -275,15 +275,14 @@ Json compareOcclusion(const std::string& what, double shoulder, int rounds) {
   TwoPoses poses(shoulder);
   const OcclusionCheck::Config config;
   FullZBuffer full(config.resolution_rad);
-  PoseFindings findings;
+  PoseFindings findings, findings_ahead;
   PoseCheck &now = poses.checks()[0], &ahead = poses.checks()[1];
   return compare(what, poses,
                  {{"this package",
                    [&] {
-                     now.findOcclusion(map, findings);
-                     std::size_t found = findings.occluding_cuboids.size();
-                     ahead.findOcclusion(map, findings, &now);
-                     return found + findings.occluding_cuboids.size();
+                     now.findOcclusion(map, findings, ahead, findings_ahead);
+                     return findings.occluding_cuboids.size() +
+                            findings_ahead.occluding_cuboids.size();
                    }},
                   {"a full Z-buffer",
                    [&] {

@@ -172,8 +172,7 @@ void Checker::Parts::judge(Time now, const JointSnapshot& joints) {
   judges.here.findContacts(around, verdict.now);
   judges.ahead.findContacts(around, verdict.ahead);
   times.collision_us = stopwatch.lapMicroseconds();
-  judges.here.findOcclusion(around, verdict.now);
-  judges.ahead.findOcclusion(around, verdict.ahead, &judges.here);
+  judges.here.findOcclusion(around, verdict.now, judges.ahead, verdict.ahead);
   times.occlusion_us = stopwatch.lapMicroseconds();
 
   const Situation situation{

@@ -82,7 +82,16 @@ class NearestCuboidSearch {
     if (gap_y >= reach_m_) return false;
     const CellIndex row_begin = static_cast<CellIndex>(row) * map_.grid.cellsX();
     const std::uint32_t* cell_begin = &map_.cell_begin[row_begin];
-    check_.work_ += 1 + cell_begin[x_end_] - cell_begin[x_begin_];
+    const std::uint32_t count = cell_begin[x_end_] - cell_begin[x_begin_];
+    check_.work_ += 1 + count;
+    if (count > 0) searchCells(row_begin, y, gap_y);
+    return true;
+  }
+
+  /// Apart, since most rows are empty and pass by faster without what this needs.
+  void searchCells(CellIndex row_begin, double y, double gap_y) {
+    const Grid::Config& grid = map_.grid.config();
+    const std::uint32_t* cell_begin = &map_.cell_begin[row_begin];
     for (std::uint32_t k = cell_begin[x_begin_]; k < cell_begin[x_end_]; ++k) {
       const Cuboid& cuboid = map_.cuboids[k];
       if (cuboid.top < low_ || cuboid.bottom > high_) continue;
@@ -100,7 +109,6 @@ class NearestCuboidSearch {
       setReach(apart.distance_m);
       if (reach_m_ == 0.0) break;
     }
-    return true;
   }
 
   /// Between the shape's bounds and an interval along an axis; 0 where they overlap [m].

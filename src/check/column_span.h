@@ -31,17 +31,20 @@ class ColumnSpan {
     while (left_ > begin_ && holds(left_ - 1)) --left_;
   }
 
-  /// In the window's order.
+  /// One or two runs, in the window's order. @param visit (begin, end)
   template <typename Visit>
   void visit(Visit&& visit) const {
-    const bool is_split = is_round_ && (left_ < 0 || right_ > columns_);
-    if (!is_split) {
-      for (int c = left_; c < right_; ++c) visit(wrapped(c));
-      return;
+    const int turn = left_ < 0 ? columns_ : left_ >= columns_ ? -columns_ : 0;
+    const int left = left_ + turn, right = right_ + turn;
+    if (right <= columns_) {
+      visit(left, right);
+    } else if (is_round_) {  // the last column is between the two
+      visit(0, right - columns_);
+      visit(left, columns_);
+    } else {
+      visit(left, columns_);
+      visit(0, right - columns_);
     }
-    const int turn = left_ < 0 ? columns_ : 0;  // the last column is between the two
-    for (int c = 0; c < right_ + turn - columns_; ++c) visit(c);
-    for (int c = left_ + turn; c < columns_; ++c) visit(c);
   }
 
  private:

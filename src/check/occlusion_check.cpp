@@ -6,6 +6,10 @@ namespace tccm {
 namespace {
 
 constexpr double kMoreVisible = 0.02;  // of a silhouette: the link comes out of its hiding place
+constexpr int kWeightBits = 40;        // of the weight of a pixel at the horizon
+
+/// NaN is not.
+bool isSame(const Pose& one, const Pose& other) { return one.matrix() == other.matrix(); }
 
 /// Whether what the robot does uncovers every link that is hidden now, and hides no other.
 bool comesOut(const Situation& situation) {
@@ -52,26 +56,59 @@ OcclusionCheck::OcclusionCheck(const Config& config,
     : config_(validated(config)), old_periods_(old_periods), buffer_(config.resolution_rad) {
   for (const std::uint32_t link : link_of_shape) slot_of_shape_.push_back(entryOf(link, links_));
   order_.reserve(link_of_shape.size());
+  for (int row = 0; row < buffer_.grid().rows(); ++row) {
+    weight_of_row_.push_back(std::llround(std::ldexp(buffer_.grid().cosine(row), kWeightBits)));
+  }
 }
 
 void OcclusionCheck::find(const Surroundings& around, const Body& body, PoseFindings& findings,
-                          const OcclusionCheck* like, const Body* like_body) {
-  std::vector<std::uint32_t>& hiding = findings.occluding_cuboids;
-  hiding.clear();
-  hiding.reserve(around.size() * around.map.cuboids.capacity());
-  findings.links = links_;
+                          const Body* ahead, PoseFindings* ahead_findings) {
+  for (PoseFindings* each : {&findings, ahead_findings}) {
+    if (!each) continue;
+    each->occluding_cuboids.clear();
+    each->occluding_cuboids.reserve(around.size() * around.map.cuboids.capacity());
+    each->links = links_;
+  }
   for (const SensorView& view : around) {
     const bool is_first = view.map == around.begin()->map;
     const LookImage& looks = view.map->looks;
-    drawFromNearToFar(looks.empty() ? view.map->viewpoint : looks.viewpoint(), body, like,
-                      like_body);
-    lookFrom(*view.map, around.map, is_first ? findings.links : other_, hiding);
-    if (is_first) continue;
-    for (std::size_t i = 0; i < links_.size(); ++i) {
-      findings.links[i] = ofBoth(findings.links[i], other_[i]);
+    const Question question = questionOf(*view.map, around.map.stamp);
+    buffer_.begin(looks.empty() ? view.map->viewpoint : looks.viewpoint());
+    draw(body, ahead, true);
+    still_.assign(links_.size(), Tally());
+    askSince({}, question, still_);
+    const ZBuffer::Mark still = buffer_.mark();
+    tallies_ = still_;
+    if (ahead) {
+      draw(*ahead, &body, false);
+      askSince(still, question, tallies_);
+      add(around.map, is_first, *ahead_findings);
+      buffer_.takeBack(still);
+      draw(body, ahead, false);
+      tallies_ = still_;
+      askSince(still, question, tallies_);
     }
+    add(around.map, is_first, findings);
   }
+  finish(around, findings);
+  if (ahead) finish(around, *ahead_findings);
+}
+
+void OcclusionCheck::add(const CuboidMap& all, bool is_first, PoseFindings& findings) {
+  if (is_first) {
+    sumUp(all, findings.links, findings.occluding_cuboids);
+    return;
+  }
+  other_ = links_;
+  sumUp(all, other_, findings.occluding_cuboids);
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    findings.links[i] = ofBoth(findings.links[i], other_[i]);
+  }
+}
+
+void OcclusionCheck::finish(const Surroundings& around, PoseFindings& findings) const {
   if (around.size() > 1) {
+    std::vector<std::uint32_t>& hiding = findings.occluding_cuboids;
     std::sort(hiding.begin(), hiding.end());
     hiding.erase(std::unique(hiding.begin(), hiding.end()), hiding.end());
   }
@@ -79,106 +116,104 @@ void OcclusionCheck::find(const Surroundings& around, const Body& body, PoseFind
                                    [this](const LinkVisibility& link) { return isOccluded(link); });
 }
 
-void OcclusionCheck::lookFrom(const CuboidMap& sensor, const CuboidMap& all,
-                              std::vector<LinkVisibility>& links,
-                              std::vector<std::uint32_t>& hiding) {
-  links = links_;
-  askLooks(sensor, all.stamp, links);
-  buffer_.coverBy(all, config_.margin_m, hiding);
-  sumUp(links);
+OcclusionCheck::Question OcclusionCheck::questionOf(const CuboidMap& map, Time newest) const {
+  const Duration old = fromSeconds(old_periods_ * toSeconds(map.look_period));
+  const bool ages_matter = old > Duration::zero();  // else no period is known yet
+  return {map.looks, ages_matter ? map.looks.ticksAt(newest - old) : 0,
+          map.looks.grid().rows() == buffer_.grid().rows(), static_cast<float>(config_.margin_m)};
 }
 
 /// As LookImage::at(), without its stamps.
-OcclusionCheck::PixelSight OcclusionCheck::sightOf(const LookImage::Passes& passes, float depth,
-                                                   LookImage::Ticks oldest) const {
-  const float least_mm = 1e3F * (depth - static_cast<float>(config_.margin_m));
+inline ZBuffer::Sight OcclusionCheck::Question::of(const LookImage::Passes& passes,
+                                                   float depth) const {
+  const float least_mm = 1e3F * (depth - margin_m);
   for (const LookImage::Pass& pass : passes) {
     if (pass.end == Seen::kNever || pass.last < oldest) break;
     if (pass.end == Seen::kUnclear) continue;
-    if (static_cast<float>(pass.range_mm) >= least_mm) return PixelSight::kVisible;
-    if (pass.end != Seen::kRobot) return PixelSight::kOccluded;
+    if (static_cast<float>(pass.range_mm) >= least_mm) return ZBuffer::Sight::kVisible;
+    if (pass.end != Seen::kRobot) return ZBuffer::Sight::kOccluded;
   }
-  return PixelSight::kUnseen;
+  return ZBuffer::Sight::kUnseen;
 }
 
-void OcclusionCheck::askLooks(const CuboidMap& map, Time newest,
-                              std::vector<LinkVisibility>& links) {
-  const LookImage& looks = map.looks;
-  const Duration old = fromSeconds(old_periods_ * toSeconds(map.look_period));
-  const bool ages_matter = old > Duration::zero();  // else no period is known yet
-  const LookImage::Ticks oldest = ages_matter ? looks.ticksAt(newest - old) : 0;
-  const bool same_grid = looks.grid().rows() == buffer_.grid().rows();
-  not_visible_.clear();
-  not_visible_.reserve(buffer_.grid().pixels());
-  const std::vector<std::uint32_t>& drawn = buffer_.drawn();
-  for (std::size_t i = 0; i < drawn.size();) {
-    // The pixels of a primitive mostly follow one another: the sum stays in a register.
-    const std::uint32_t shape = buffer_.pixelAt(drawn[i]).shape;
-    LinkVisibility& link = links[slot_of_shape_[shape]];
-    double silhouette = link.silhouette;
-    for (; i < drawn.size() && buffer_.pixelAt(drawn[i]).shape == shape; ++i) {
-      const std::uint32_t pixel = drawn[i];
-      silhouette += weightOf(pixel);
-      const std::size_t look_pixel =
-          same_grid ? pixel : looks.grid().pixelOf(buffer_.grid().middle(pixel));
-      const PixelSight sight =
-          sightOf(looks.passes(look_pixel), buffer_.pixelAt(pixel).depth, oldest);
-      if (sight == PixelSight::kVisible) {
-        buffer_.markSeen(pixel);
-      } else {
-        not_visible_.push_back({pixel, sight});
+std::size_t OcclusionCheck::lookPixel(const Question& question, std::uint32_t pixel) const {
+  if (question.same_grid) return pixel;
+  return question.looks.grid().pixelOf(buffer_.grid().middle(pixel));
+}
+
+void OcclusionCheck::askSince(const ZBuffer::Mark& mark, const Question& question,
+                              std::vector<Tally>& tallies) {
+  // Copies, so that what is asked for each pixel stays in registers.
+  const Question asked = question;
+  const LookImage::Passes* passes = &asked.looks.passes(0);
+  const float* depths = buffer_.depths();
+  ZBuffer::Shown* shown = buffer_.editShown();
+  for (std::size_t i = mark.runs; i < buffer_.runs().size(); ++i) {
+    const auto [row, begin, end] = buffer_.runs()[i];
+    const Weight weight = weight_of_row_[static_cast<std::size_t>(row)];
+    for (std::uint32_t pixel = begin; pixel < end;) {
+      // Mostly one primitive shows all along, and is visible.
+      const std::uint32_t first = pixel, shape = shown[pixel].shape;
+      Tally& tally = tallies[slot_of_shape_[shape]];
+      for (; pixel < end && shown[pixel].shape == shape; ++pixel) {
+        const std::size_t look_pixel = asked.same_grid ? pixel : lookPixel(asked, pixel);
+        const ZBuffer::Sight sight = asked.of(passes[look_pixel], depths[pixel]);
+        shown[pixel].sight = sight;
+        if (sight != ZBuffer::Sight::kVisible) tally.addHidden(sight, weight);
       }
+      tally.all += weight * static_cast<Weight>(pixel - first);
     }
-    link.silhouette = silhouette;
+  }
+  const std::vector<ZBuffer::Hidden>& hidden = buffer_.hidden();
+  for (std::size_t i = mark.hidden; i < hidden.size(); ++i) {
+    const auto& [pixel, before] = hidden[i];
+    if (before.sight == ZBuffer::Sight::kNotAsked) continue;
+    // It counted; now what was drawn over it does.
+    const Weight weight = weightOf(pixel);
+    tallies[slot_of_shape_[before.shape]].add(before.sight, -weight);
+    shown[pixel].sight = asked.of(passes[lookPixel(asked, pixel)], depths[pixel]);
+    tallies[slot_of_shape_[shown[pixel].shape]].add(shown[pixel].sight, weight);
   }
 }
 
-/// Solid angle of a pixel, relative to one at the horizon.
-double OcclusionCheck::weightOf(std::uint32_t pixel) const {
-  return buffer_.grid().cosine(buffer_.grid().rowOfPixel(pixel));
+OcclusionCheck::Weight OcclusionCheck::weightOf(std::uint32_t pixel) const {
+  return weight_of_row_[static_cast<std::size_t>(buffer_.grid().rowOfPixel(pixel))];
 }
 
-void OcclusionCheck::sumUp(std::vector<LinkVisibility>& links) const {
-  for (const auto& [pixel, sight] : not_visible_) {
-    const ZBuffer::Pixel& drawn = buffer_.pixelAt(pixel);
-    LinkVisibility& link = links[slot_of_shape_[drawn.shape]];
-    const bool is_occluded = sight == PixelSight::kOccluded || drawn.covered;
-    (is_occluded ? link.occluded_fraction : link.unseen_fraction) += weightOf(pixel);
+void OcclusionCheck::sumUp(const CuboidMap& all, std::vector<LinkVisibility>& links,
+                           std::vector<std::uint32_t>& hiding) {
+  const bool all_visible = std::all_of(tallies_.begin(), tallies_.end(), [](const Tally& tally) {
+    return tally.occluded == 0 && tally.unseen == 0;
+  });
+  if (!all_visible) buffer_.coverBy(all, config_.margin_m, hiding);
+  for (const std::uint32_t index : buffer_.covered()) {
+    const ZBuffer::Shown shown = buffer_.pixelAt(index);
+    if (shown.sight != ZBuffer::Sight::kUnseen) continue;
+    Tally& tally = tallies_[slot_of_shape_[shown.shape]];
+    tally.unseen -= weightOf(index);
+    tally.occluded += weightOf(index);
   }
-  for (LinkVisibility& link : links) {
-    if (link.silhouette > 0.0) {
-      link.occluded_fraction /= link.silhouette;
-      link.unseen_fraction /= link.silhouette;
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    LinkVisibility& link = links[i];
+    const auto whole = static_cast<double>(tallies_[i].all);
+    link.silhouette = std::ldexp(whole, -kWeightBits);
+    if (whole > 0.0) {
+      link.occluded_fraction = static_cast<double>(tallies_[i].occluded) / whole;
+      link.unseen_fraction = static_cast<double>(tallies_[i].unseen) / whole;
     }
     link.visible_fraction = std::max(0.0, 1.0 - link.occluded_fraction - link.unseen_fraction);
   }
 }
 
-/// What is hidden already need not be drawn.
-void OcclusionCheck::drawFromNearToFar(const Vector3& viewpoint, const Body& body,
-                                       const OcclusionCheck* like, const Body* like_body) {
+/// From near to far: what is hidden already need not be drawn.
+void OcclusionCheck::draw(const Body& body, const Body* other, bool stands) {
   order_.clear();
   for (std::uint32_t i = 0; i < body.shapes.size(); ++i) {
-    order_.push_back({distance(body.shapes[i], body.poses[i].inverse() * viewpoint), i});
+    if ((!other || isSame(body.poses[i], other->poses[i])) != stands) continue;
+    order_.push_back({distance(body.shapes[i], body.poses[i].inverse() * buffer_.viewpoint()), i});
   }
   std::sort(order_.begin(), order_.end());
-  std::size_t same = 0;
-  if (like && like->buffer_.viewpoint() == viewpoint && like->order_.size() == order_.size()) {
-    const auto isSame = [&](std::size_t k) {
-      const std::uint32_t i = order_[k].second;
-      return like->order_[k].second == i && like_body->poses[i].matrix() == body.poses[i].matrix();
-    };
-    while (same < order_.size() && isSame(same)) ++same;
-  }
-  if (same > 0) {
-    buffer_.beginAs(like->buffer_, same);
-  } else {
-    buffer_.begin(viewpoint);
-  }
-  for (std::size_t k = same; k < order_.size(); ++k) {
-    const std::uint32_t i = order_[k].second;
-    buffer_.draw(body.shapes[i], body.poses[i], i);
-  }
+  for (const auto& [nearest, i] : order_) buffer_.draw(body.shapes[i], body.poses[i], i);
 }
 
 bool OcclusionCheck::isOccluded(const LinkVisibility& link) const {

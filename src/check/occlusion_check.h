@@ -54,40 +54,67 @@ class OcclusionCheck {
   /// as far as any sensor says so.
   /// @param findings reused: the links, in the order of those handed over, the cuboids that a part
   /// of any link is hidden behind, and whether a link is occluded.
-  /// @param like another of the same robot that has found, and with which body: what is drawn first
-  /// and stands where it stood then is not drawn anew.
+  /// @param ahead another pose of the same body: what stands where it stands here is drawn, and the
+  /// looks are asked of it, for both at once.
   void find(const Surroundings& around, const Body& body, PoseFindings& findings,
-            const OcclusionCheck* like = nullptr, const Body* like_body = nullptr);
+            const Body* ahead = nullptr, PoseFindings* ahead_findings = nullptr);
 
   [[nodiscard]] bool isOccluded(const LinkVisibility& link) const;
-  /// The picture of the last find().
+  /// The picture of the last find(), not of the body ahead.
   [[nodiscard]] const ZBuffer& picture() const { return buffer_; }
 
  private:
-  /// From one sensor. @param links reused. @param hiding cuboids, appended.
-  void lookFrom(const CuboidMap& sensor, const CuboidMap& all, std::vector<LinkVisibility>& links,
-                std::vector<std::uint32_t>& hiding);
-  void drawFromNearToFar(const Vector3& viewpoint, const Body& body, const OcclusionCheck* like,
-                         const Body* like_body);
-  enum class PixelSight : std::uint8_t { kVisible, kOccluded, kUnseen };
-  /// Counts the pixels of each link. @param newest scan of any sensor: by it looks are old, also of
-  /// one that has failed.
-  void askLooks(const CuboidMap& map, Time newest, std::vector<LinkVisibility>& links);
-  [[nodiscard]] double weightOf(std::uint32_t pixel) const;
-  void sumUp(std::vector<LinkVisibility>& links) const;
-  /// Unseen: cuboids must tell.
-  [[nodiscard]] PixelSight sightOf(const LookImage::Passes& passes, float depth,
-                                   LookImage::Ticks oldest) const;
+  /// Solid angles of pixels, in whole parts of one at the horizon: their sums are the same in any
+  /// order.
+  using Weight = std::int64_t;
+  /// What shows of a link.
+  struct Tally {
+    Weight all = 0, occluded = 0, unseen = 0;
+
+    void add(ZBuffer::Sight sight, Weight weight) {
+      all += weight;
+      addHidden(sight, weight);
+    }
+    void addHidden(ZBuffer::Sight sight, Weight weight) {
+      if (sight == ZBuffer::Sight::kOccluded) occluded += weight;
+      if (sight == ZBuffer::Sight::kUnseen) unseen += weight;
+    }
+  };
+  /// What is asked of a sensor's looks.
+  struct Question {
+    const LookImage& looks;
+    LookImage::Ticks oldest;  ///< that says something
+    bool same_grid;           ///< as the picture's
+    float margin_m;
+
+    [[nodiscard]] ZBuffer::Sight of(const LookImage::Passes& passes, float depth) const;
+  };
+
+  /// Draws what stands where it stands in the other body, or all the rest. @param other null: all
+  /// stands.
+  void draw(const Body& body, const Body* other, bool stands);
+  [[nodiscard]] Question questionOf(const CuboidMap& map, Time newest) const;
+  /// The looks' pixel in the same direction.
+  [[nodiscard]] std::size_t lookPixel(const Question& question, std::uint32_t pixel) const;
+  [[nodiscard]] Weight weightOf(std::uint32_t pixel) const;
+  /// Asks of all that was drawn since, and counts it.
+  void askSince(const ZBuffer::Mark& mark, const Question& question, std::vector<Tally>& tallies);
+  /// @param hiding cuboids, appended.
+  void sumUp(const CuboidMap& all, std::vector<LinkVisibility>& links,
+             std::vector<std::uint32_t>& hiding);
+  /// What one sensor says of the picture, with what those before it said.
+  void add(const CuboidMap& all, bool is_first, PoseFindings& findings);
+  void finish(const Surroundings& around, PoseFindings& findings) const;
 
   Config config_;
   double old_periods_;
   std::vector<LinkVisibility> links_;       ///< none of which shows
   std::vector<LinkVisibility> other_;       ///< as a further sensor sees them, reused
   std::vector<std::size_t> slot_of_shape_;  ///< index into links_
+  std::vector<Weight> weight_of_row_;       ///< of a pixel
   ZBuffer buffer_;
   std::vector<std::pair<double, std::uint32_t>> order_;  ///< distance of each shape, reused
-  /// The pixels that the looks do not show, and what they say of them, reused.
-  std::vector<std::pair<std::uint32_t, PixelSight>> not_visible_;
+  std::vector<Tally> still_, tallies_;  ///< of links_: of what stands at both poses, and of all
 };
 
 /// Whether the sensor sees the links that it should see, now and at the end of the way: where it

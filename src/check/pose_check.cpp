@@ -29,6 +29,12 @@ CuboidMap mapOfOneCuboid(int points) {
   return map;
 }
 
+void forgetOcclusion(PoseFindings& findings) {
+  findings.links.clear();
+  findings.occluding_cuboids.clear();
+  findings.occlusion = false;
+}
+
 }  // namespace
 
 UsedBody::UsedBody(const RobotModel& model, const LinkUse& use, const LinkUse::Keys& keys) {
@@ -112,16 +118,22 @@ void PoseCheck::findContacts(const Surroundings& around, PoseFindings& findings)
   nameShapes(findings.keep_out);
 }
 
-void PoseCheck::findOcclusion(const Surroundings& around, PoseFindings& findings,
-                              const PoseCheck* like) {
+void PoseCheck::findOcclusion(const Surroundings& around, PoseFindings& findings) {
   if (robot_->config.check_occlusion) {
-    occlusion_.find(around, occlusion_body_.body, findings, like ? &like->occlusion_ : nullptr,
-                    like ? &like->occlusion_body_.body : nullptr);
-    return;
+    occlusion_.find(around, occlusion_body_.body, findings);
+  } else {
+    forgetOcclusion(findings);
   }
-  findings.links.clear();
-  findings.occluding_cuboids.clear();
-  findings.occlusion = false;
+}
+
+void PoseCheck::findOcclusion(const Surroundings& around, PoseFindings& findings,
+                              const PoseCheck& ahead, PoseFindings& ahead_findings) {
+  if (robot_->config.check_occlusion) {
+    occlusion_.find(around, occlusion_body_.body, findings, &ahead.occlusion_body_.body,
+                    &ahead_findings);
+  } else {
+    for (PoseFindings* each : {&findings, &ahead_findings}) forgetOcclusion(*each);
+  }
 }
 
 LinkClearance PoseCheck::nearest(const Surroundings& around, std::size_t i,

@@ -80,10 +80,11 @@ class PoseCheck {
   void check(const Surroundings& around, PoseFindings& findings);
   /// The parts of it, in this order.
   void findContacts(const Surroundings& around, PoseFindings& findings) const;
-  /// @param like another pose of which it was found just before: what stands where it stood there
-  /// is not drawn anew.
-  void findOcclusion(const Surroundings& around, PoseFindings& findings,
-                     const PoseCheck* like = nullptr);
+  void findOcclusion(const Surroundings& around, PoseFindings& findings);
+  /// The same at this pose and at one of the same robot ahead: what stands at both is looked at
+  /// once.
+  void findOcclusion(const Surroundings& around, PoseFindings& findings, const PoseCheck& ahead,
+                     PoseFindings& ahead_findings);
 
   /// The distance from each link that is checked for collision to the nearest cuboid or region, in
   /// the order of their first primitives: of the primitives as they are, without padding. Only

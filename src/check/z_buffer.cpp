@@ -5,182 +5,134 @@
 #include <limits>
 
 #include "check/column_span.h"
-#include "geometry/ray.h"
+#include "check/ray_entry.h"
 
 namespace tccm {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr ZBuffer::Pixel kEmpty{std::numeric_limits<float>::infinity(), 0, false, false};
+constexpr float kFar = std::numeric_limits<float>::infinity();
 constexpr int kNarrow = 2;  // columns on either side of its middle that most cuboids reach at most
 
-/// Where rays from one point outside a solid first meet it.
-/// @return the way there along the direction of length 1; infinite where the ray misses [m].
-template <typename Solid>
-class Entry {
- public:
-  Entry(const Solid& solid, const Vector3& origin)
-      : solid_(solid), ray_{origin, Vector3::UnitX()} {}
-
-  double operator()(const Vector3& direction) {
-    ray_.direction = direction;
-    const LineSpan span = lineSpan(solid_, ray_);
-    return span.empty() || span.leave < 0.0 ? kInfinity : std::max(0.0, span.enter);
-  }
-
- private:
-  const Solid& solid_;
-  Ray ray_;
-};
-
-/// Only faces whose outer side the origin is on can be entered through.
-template <>
-class Entry<Box> {
- public:
-  Entry(const Box& box, const Vector3& origin)
-      : half_(box.half_extents * (1.0 + kRounding)), origin_(origin) {
-    for (int i = 0; i < 3; ++i) {
-      inward_[i] = -std::copysign(1.0, origin[i]);
-      beyond_[i] = std::abs(origin[i]) - box.half_extents[i];
+/// What a solid, seen from the viewpoint, cannot reach beyond: from the corners of the box around
+/// it.
+struct CornerBounds {
+  CornerBounds(const Shape& shape, const Pose& T_fixed_shape, const Vector3& to_shape) {
+    const double range = to_shape.head<2>().norm();
+    ahead = to_shape.head<2>() / (range > 0.0 ? range : 1.0);
+    const Vector3 half_extents = bounds(shape, Pose::Identity()).max();
+    const Eigen::Matrix3d edges = T_fixed_shape.linear() * half_extents.asDiagonal();
+    for (unsigned i = 0; i < 8; ++i) {
+      const Vector3 corner =
+          to_shape + edges * Vector3((i & 1U) ? 1 : -1, (i & 2U) ? 1 : -1, (i & 4U) ? 1 : -1);
+      const Eigen::Vector2d level = corner.head<2>();
+      const double along = ahead.dot(level);
+      const double tangent = directions::cross(ahead, level) / along;
+      right = std::min(right, tangent);
+      left = std::max(left, tangent);
+      nearest = std::min(nearest, along);
+      farthest = std::max(farthest, level.norm());
+      lowest = std::min(lowest, corner.z());
+      highest = std::max(highest, corner.z());
     }
   }
-
-  double operator()(const Vector3& direction) const {
-    double enter = 0.0;
-    for (int i = 0; i < 3; ++i) {
-      if (beyond_[i] <= 0.0) continue;
-      const double towards = inward_[i] * direction[i];
-      if (!(towards > 0.0)) return kInfinity;
-      enter = std::max(enter, beyond_[i] / towards);
-    }
-    for (int i = 0; i < 3; ++i) {
-      if (std::abs(origin_[i] + enter * direction[i]) > half_[i]) return kInfinity;
-    }
-    return enter;
+  /// All corners are ahead of the plane through the viewpoint that stands upright across the way
+  /// to the centre; only then are azimuths bounded.
+  [[nodiscard]] bool isAhead() const { return nearest >= 1e-3; }
+  /// @param tangent of the azimuth, relative to that of the centre.
+  [[nodiscard]] Eigen::Vector2d direction(double tangent) const {
+    return ahead + tangent * Eigen::Vector2d(-ahead.y(), ahead.x());
   }
 
- private:
-  static constexpr double kRounding = 1e-12;
-  Vector3 half_;
-  Vector3 origin_;
-  Vector3 inward_;  ///< signs of directions that lead in
-  Vector3 beyond_;  ///< how far the origin is outside of the faces on its side [m]
-};
-
-/// Angles that a solid cannot reach beyond.
-struct AngularBounds {
-  double elevation_low = -0.5 * kPi, elevation_high = 0.5 * kPi;
-  /// All its corners are ahead of the plane through the viewpoint that stands upright across the
-  /// way to the centre; only then are azimuths bounded.
-  bool is_ahead = false;
-  double azimuth_low = 0.0, azimuth_high = 0.0;  ///< relative to that of its centre
-};
-
-/// From the corners of the box around the shape.
-AngularBounds cornerBounds(const Shape& shape, const Pose& T_fixed_shape, const Vector3& to_shape) {
-  const double range = to_shape.head<2>().norm();
-  const Eigen::Vector2d ahead = to_shape.head<2>() / (range > 0.0 ? range : 1.0);
-  const Vector3 half_extents = bounds(shape, Pose::Identity()).max();
-  const Eigen::Matrix3d edges = T_fixed_shape.linear() * half_extents.asDiagonal();
+  Eigen::Vector2d ahead;  ///< towards the centre
   double nearest = kInfinity, farthest = 0.0, lowest = kInfinity, highest = -kInfinity;
-  double right = kInfinity, left = -kInfinity;  // tangents of the azimuth
-  for (unsigned i = 0; i < 8; ++i) {
-    const Vector3 corner =
-        to_shape + edges * Vector3((i & 1U) ? 1 : -1, (i & 2U) ? 1 : -1, (i & 4U) ? 1 : -1);
-    const Eigen::Vector2d level = corner.head<2>();
-    const double along = ahead.dot(level);
-    const double tangent = directions::cross(ahead, level) / along;
-    right = std::min(right, tangent);
-    left = std::max(left, tangent);
-    nearest = std::min(nearest, along);
-    farthest = std::max(farthest, level.norm());
-    lowest = std::min(lowest, corner.z());
-    highest = std::max(highest, corner.z());
-  }
-  AngularBounds angles;
-  angles.is_ahead = nearest >= 1e-3;
-  angles.azimuth_low = std::atan(right);
-  angles.azimuth_high = std::atan(left);
-  if (angles.is_ahead || lowest > 0.0) {
-    angles.elevation_low = std::atan(lowest / (lowest < 0.0 ? nearest : farthest));
-  }
-  if (angles.is_ahead || highest < 0.0) {
-    angles.elevation_high = std::atan(highest / (highest < 0.0 ? farthest : nearest));
-  }
-  return angles;
-}
+  double right = kInfinity, left = -kInfinity;  ///< tangents of azimuths
+};
 
 }  // namespace
 
 ZBuffer::ZBuffer(double resolution)
     : grid_(resolution),
       narrow_sine_(std::sin(std::min(kNarrow * grid_.resolution(), 0.25 * kPi))),
-      pixels_(grid_.pixels(), kEmpty),
-      level_rays_(static_cast<std::size_t>(grid_.columns())),
+      depths_(grid_.pixels(), kFar),
+      shown_(grid_.pixels()),
+      row_drawn_(static_cast<std::size_t>(grid_.rows()), 0),
+      row_farthest_(static_cast<std::size_t>(grid_.rows()), kFar),
+      columns_(grid_.columns(), 2),
+      level_rays_(grid_.columns(), 4),
+      found_(grid_.columns()),
       column_farthest_(grid_.columns()),
-      neighbours_farthest_(grid_.columns()) {}
+      neighbours_farthest_(grid_.columns()) {
+  for (int c = 0; c < grid_.columns(); ++c) columns_.row(c) = grid_.columnMiddle(c).transpose();
+}
 
 void ZBuffer::begin(const Vector3& viewpoint) {
   // Here, as a copy has no room to spare.
-  drawn_.reserve(pixels_.size());
-  hidden_.reserve(pixels_.size());
+  runs_.reserve(depths_.size());
+  hidden_.reserve(depths_.size());
+  covered_.reserve(depths_.size());
+  takeBack({});
   viewpoint_ = viewpoint;
-  for (const std::uint32_t index : drawn_) pixels_[index] = kEmpty;
-  drawn_.clear();
-  hidden_.clear();
-  draws_.clear();
-  columns_known_ = false;
 }
 
-void ZBuffer::beginAs(const ZBuffer& other, std::size_t draws) {
-  begin(other.viewpoint_);
-  if (draws == 0) return;
-  const Draw& last = other.draws_[draws - 1];
-  const auto assignFirst = [](auto& to, const auto& from, std::size_t count) {
-    to.assign(from.begin(), from.begin() + static_cast<std::ptrdiff_t>(count));
-  };
-  assignFirst(drawn_, other.drawn_, last.drawn);
-  assignFirst(hidden_, other.hidden_, last.hidden);
-  assignFirst(draws_, other.draws_, draws);
-  for (const std::uint32_t index : drawn_) {
-    const Pixel& pixel = other.pixels_[index];
-    pixels_[index] = {pixel.depth, pixel.shape, false, false};
+void ZBuffer::takeBack(const Mark& mark) {
+  for (const std::uint32_t index : covered_) shown_[index].covered = false;
+  covered_.clear();
+  for (std::size_t i = hidden_.size(); i-- > mark.hidden;) {
+    const auto& [index, before] = hidden_[i];
+    depths_[index] = before.depth;
+    shown_[index] = before;
   }
-  // Of what was hidden again and again the first comes last.
-  for (std::size_t i = other.hidden_.size(); i-- > last.hidden;) {
-    const auto& [index, before] = other.hidden_[i];
-    if (!std::isinf(pixels_[index].depth)) pixels_[index] = before;
+  hidden_.resize(mark.hidden);
+  for (std::size_t i = mark.runs; i < runs_.size(); ++i) {
+    const Run& run = runs_[i];
+    std::fill(&depths_[run.begin], &depths_[run.begin] + (run.end - run.begin), kFar);
+    const auto row = static_cast<std::size_t>(run.row);
+    row_drawn_[row] -= static_cast<int>(run.end - run.begin);
+    row_farthest_[row] = kFar;
   }
+  runs_.resize(mark.runs);
+  columns_known_ = false;
 }
 
 ZBuffer::Window ZBuffer::windowOf(const Shape& shape, const Pose& T_fixed_shape) const {
   const Vector3 to_shape = T_fixed_shape.translation() - viewpoint_;
+  const CornerBounds corners(shape, T_fixed_shape, to_shape);
+  Window window{0, grid_.rows(), 0, grid_.columns()};
+  const auto rise = [&](double level, double height) {
+    window.row_begin = std::max(window.row_begin, grid_.rowOfSlope(level, height));
+  };
+  const auto sink = [&](double level, double height) {
+    window.row_end = std::min(window.row_end, grid_.rowOfSlope(level, height) + 1);
+  };
+  const auto& [lowest, highest] = std::tie(corners.lowest, corners.highest);
+  if (corners.isAhead()) {
+    window.column_begin = grid_.columnOfDirection(corners.direction(corners.right));
+    window.column_end = grid_.columnOfDirection(corners.direction(corners.left)) + 1;
+    if (window.column_end <= window.column_begin) window.column_end += grid_.columns();
+  }
+  if (corners.isAhead() || lowest > 0.0)
+    rise(lowest < 0.0 ? corners.nearest : corners.farthest, lowest);
+  if (corners.isAhead() || highest < 0.0)
+    sink(highest < 0.0 ? corners.farthest : corners.nearest, highest);
+  // And by the sphere around it, above and below the direction of its centre.
   const double range = to_shape.norm();
   const double radius = boundingRadius(shape);
-  const AngularBounds angles = cornerBounds(shape, T_fixed_shape, to_shape);
-  Window window{grid_.rowOf(angles.elevation_low), grid_.rowOf(angles.elevation_high) + 1, 0,
-                grid_.columns()};
-  if (angles.is_ahead) {
-    const double azimuth = std::atan2(to_shape.y(), to_shape.x());
-    const int first = grid_.columnOf(azimuth + angles.azimuth_low);
-    const int last = grid_.columnOf(azimuth + angles.azimuth_high);
-    const int turn = first < 0 ? grid_.columns() : first >= grid_.columns() ? -grid_.columns() : 0;
-    window.column_begin = first + turn;
-    window.column_end = last + turn + 1;
-  }
   if (range <= radius) return window;
-  const double elevation = std::asin(std::clamp(to_shape.z() / range, -1.0, 1.0));
-  const double angular_radius = std::asin(radius / range);
-  window.row_begin = std::max(window.row_begin, grid_.rowOf(elevation - angular_radius));
-  window.row_end = std::min(window.row_end, grid_.rowOf(elevation + angular_radius) + 1);
+  const double sine = radius / range;
+  const double cosine = std::sqrt(1.0 - sine * sine);
+  const double level = to_shape.head<2>().norm();
+  const double lower = level * cosine + to_shape.z() * sine;
+  const double upper = level * cosine - to_shape.z() * sine;
+  if (lower > 0.0) rise(lower, to_shape.z() * cosine - level * sine);
+  if (upper > 0.0) sink(upper, to_shape.z() * cosine + level * sine);
   return window;
 }
 
 void ZBuffer::draw(const Shape& shape, const Pose& T_fixed_shape, std::uint32_t index) {
   const double nearest = distance(shape, T_fixed_shape.inverse() * viewpoint_);
   if (nearest != 0.0) drawFrom(nearest, shape, T_fixed_shape, index);
-  draws_.push_back({drawn_.size(), hidden_.size()});
 }
 
 void ZBuffer::drawFrom(double nearest, const Shape& shape, const Pose& T_fixed_shape,
@@ -198,17 +150,17 @@ void ZBuffer::findColumns() {
   column_farthest_.setZero();
   lowest_row_ = grid_.rows();
   highest_row_ = -1;
-  for (const std::uint32_t index : drawn_) {
-    const Pixel& pixel = pixels_[index];
-    if (pixel.seen) continue;
-    const int row = grid_.rowOfPixel(index);
-    const int column = static_cast<int>(index) - row * grid_.columns();
+  for (const Run& run : runs_) {
     // Rounded up, so that nothing is left out that stands just in front.
-    const auto level = static_cast<float>(grid_.cosine(row) * (1.0 + 1e-6));
-    float& farthest = column_farthest_[column];
-    farthest = std::max(farthest, pixel.depth * level);
-    lowest_row_ = std::min(lowest_row_, row);
-    highest_row_ = std::max(highest_row_, row);
+    const auto level = static_cast<float>(grid_.cosine(run.row) * (1.0 + 1e-6));
+    const auto row_begin = static_cast<std::uint32_t>(grid_.index(run.row, 0));
+    for (std::uint32_t index = run.begin; index < run.end; ++index) {
+      if (shown_[index].sight == Sight::kVisible) continue;
+      float& farthest = column_farthest_[index - row_begin];
+      farthest = std::max(farthest, depths_[index] * level);
+      lowest_row_ = std::min(lowest_row_, run.row);
+      highest_row_ = std::max(highest_row_, run.row);
+    }
   }
   farthest_ = column_farthest_.maxCoeff();
   columns_known_ = true;
@@ -222,52 +174,99 @@ void ZBuffer::findColumns() {
   }
 }
 
+void ZBuffer::findLevelRays(const Window& window, const Eigen::Matrix3d& R_shape_fixed,
+                            const Vector3& to_shape) {
+  const auto find = [&](int begin, int end) {
+    const auto x = columns_.col(0).segment(begin, end - begin);
+    const auto y = columns_.col(1).segment(begin, end - begin);
+    for (int i = 0; i < 3; ++i) {
+      level_rays_.col(i).segment(begin, end - begin) =
+          R_shape_fixed(i, 0) * x + R_shape_fixed(i, 1) * y;
+    }
+    level_rays_.col(3).segment(begin, end - begin) = to_shape.x() * x + to_shape.y() * y;
+  };
+  find(window.column_begin, std::min(window.column_end, grid_.columns()));
+  if (window.column_end > grid_.columns()) find(0, window.column_end - grid_.columns());
+}
+
 template <typename Solid>
 void ZBuffer::drawIn(const Window& window, const Solid& solid, const Pose& T_fixed_shape,
                      std::uint32_t index, float depth_min) {
   const Eigen::Matrix3d R_shape_fixed = T_fixed_shape.linear().transpose();
   const Vector3 to_shape = T_fixed_shape.translation() - viewpoint_;
-  Entry<Solid> entry(solid, R_shape_fixed * -to_shape);
+  RowEntry<Solid> entry(solid, R_shape_fixed * -to_shape);
   const double range = to_shape.norm();
   const double reach = std::min(1.0, boundingRadius(solid) / range);
   // Rays further from the centre's direction than this miss the sphere around the shape.
   const double along_least = reach < 1.0 ? range * std::sqrt(1.0 - reach * reach) - 1e-9 : -range;
   // A ray's direction is its column's, level with the viewpoint, times the cosine of its row's
   // elevation, and upwards by the sine.
-  for (int c = window.column_begin; c < window.column_end; ++c) {
-    const auto column = static_cast<std::size_t>(grid_.wrapped(c));
-    const Eigen::Vector2d& level = grid_.columnMiddle(static_cast<int>(column));
-    level_rays_[column] = {R_shape_fixed.leftCols<2>() * level, to_shape.head<2>().dot(level)};
-  }
-  const int middle = grid_.wrapped(grid_.columnOf(std::atan2(to_shape.y(), to_shape.x())));
+  findLevelRays(window, R_shape_fixed, to_shape);
+  const double* along = level_rays_.col(3).data();
+  const bool is_upright = to_shape.head<2>().isZero(0.0);  // it stands above or below
+  const int middle = is_upright ? 0 : grid_.columnOfDirection(to_shape.head<2>());
   ColumnSpan span(window.column_begin, window.column_end, middle, grid_.columns());
   for (int row = window.row_begin; row < window.row_end; ++row) {
-    Pixel* pixels = &pixels_[static_cast<std::size_t>(row * grid_.columns())];
+    if (row_farthest_[static_cast<std::size_t>(row)] < depth_min) continue;
     const double cosine = grid_.cosine(row);
     const double sine = grid_.sine(row);
-    const Vector3 upwards = R_shape_fixed.col(2) * sine;
+    const RowOfRays rays{
+        {level_rays_.col(0).data(), level_rays_.col(1).data(), level_rays_.col(2).data()},
+        cosine,
+        R_shape_fixed.col(2) * sine};
     const double along_level_least = along_least - to_shape.z() * sine;
-    const auto isNear = [&](int column) {
-      const LevelRay& ray = level_rays_[static_cast<std::size_t>(column)];
-      return cosine * ray.along >= along_level_least;
-    };
-    span.fit(isNear);
-    span.visit([&](int column) {
-      Pixel& pixel = pixels[column];
-      if (pixel.depth < depth_min) return;
-      const LevelRay& ray = level_rays_[static_cast<std::size_t>(column)];
-      const auto depth = static_cast<float>(entry(cosine * ray.direction + upwards));
-      // Of two at the same depth the first of the body is shown, in whichever order they come.
-      if (!(depth < pixel.depth || (depth == pixel.depth && index < pixel.shape))) return;
-      const auto at = static_cast<std::uint32_t>(&pixel - pixels_.data());
-      if (std::isinf(pixel.depth)) {
-        drawn_.push_back(at);
-      } else {
-        hidden_.push_back({at, pixel});
-      }
-      pixel = {depth, index, false, false};
+    span.fit([&](int column) { return cosine * along[column] >= along_level_least; });
+    const float* depths = &depths_[grid_.index(row, 0)];
+    span.visit([&](int begin, int end) {
+      while (begin < end && depths[begin] < depth_min) ++begin;
+      while (begin < end && depths[end - 1] < depth_min) --end;
+      entry.find(rays, begin, end, depths, depth_min, found_.data());
+      show(row, begin, end, found_.data(), index);
     });
+    noteIfFull(row);
   }
+}
+
+void ZBuffer::show(int row, int begin, int end, const float* depths, std::uint32_t index) {
+  const std::size_t first = grid_.index(row, 0);
+  float* row_depths = &depths_[first];
+  Shown* row_shown = &shown_[first];
+  int run_begin = begin, run_end = begin;
+  const auto addRun = [&] {
+    if (run_begin == run_end) return;
+    runs_.push_back({row, static_cast<std::uint32_t>(first) + static_cast<std::uint32_t>(run_begin),
+                     static_cast<std::uint32_t>(first) + static_cast<std::uint32_t>(run_end)});
+    row_drawn_[static_cast<std::size_t>(row)] += run_end - run_begin;
+  };
+  const Shown fresh{index, Sight::kNotAsked, false};
+  for (int c = begin; c < end; ++c) {
+    const float depth = depths[c], before = row_depths[c];
+    if (before < kFar) {
+      // Of two at the same depth the first of the body is shown, in whichever order they come.
+      Shown& shown = row_shown[c];
+      if (!(depth < before || (depth == before && index < shown.shape))) continue;
+      const auto pixel = static_cast<std::uint32_t>(first) + static_cast<std::uint32_t>(c);
+      hidden_.push_back({pixel, {shown, before}});
+    } else {
+      if (!(depth < kFar)) continue;
+      if (c != run_end) {
+        addRun();
+        run_begin = c;
+      }
+      run_end = c + 1;
+    }
+    row_depths[c] = depth;
+    row_shown[c] = fresh;
+  }
+  addRun();
+}
+
+void ZBuffer::noteIfFull(int row) {
+  float& farthest = row_farthest_[static_cast<std::size_t>(row)];
+  // Once: what is drawn over it and taken back again brings nothing further away than it had.
+  if (farthest < kFar || row_drawn_[static_cast<std::size_t>(row)] < grid_.columns()) return;
+  const float* depths = &depths_[grid_.index(row, 0)];
+  farthest = *std::max_element(depths, depths + grid_.columns());
 }
 
 std::optional<ZBuffer::Silhouette> ZBuffer::silhouetteOf(const CuboidMap& map,
@@ -362,11 +361,14 @@ bool ZBuffer::cover(const CuboidMap& map, const Cuboid& cuboid, double margin) {
   const int columns = grid_.columns();
   for (int row = s->window.row_begin; row < s->window.row_end; ++row) {
     const auto limit = static_cast<float>(depthOf(*s, row) + margin);
-    Pixel* pixels = &pixels_[static_cast<std::size_t>(row * grid_.columns())];
+    const auto first = static_cast<std::uint32_t>(grid_.index(row, 0));
     for (int c = s->window.column_begin; c < s->window.column_end; ++c) {
-      Pixel& pixel = pixels[c < columns ? c : c - columns];
-      if (std::isinf(pixel.depth) || pixel.depth <= limit || pixel.seen) continue;
-      pixel.covered = true;
+      const std::uint32_t index = first + static_cast<std::uint32_t>(c < columns ? c : c - columns);
+      const float depth = depths_[index];
+      Shown& shown = shown_[index];
+      if (std::isinf(depth) || depth <= limit || shown.sight == Sight::kVisible) continue;
+      if (!shown.covered) covered_.push_back(index);
+      shown.covered = true;
       any = true;
     }
   }

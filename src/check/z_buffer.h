@@ -17,27 +17,47 @@ class ZBuffer {
   /// @param resolution edge of a pixel at the horizon [rad].
   explicit ZBuffer(double resolution);
 
-  struct Pixel {
-    float depth;          ///< to the nearest primitive [m]; infinite where there is none
-    std::uint32_t shape;  ///< that primitive
+  /// What the sensor says of what a pixel shows.
+  enum class Sight : std::uint8_t { kNotAsked, kVisible, kOccluded, kUnseen };
+  /// What a pixel has beside its depth; old where nothing is drawn.
+  struct Shown {
+    std::uint32_t shape;  ///< the nearest primitive
+    Sight sight;          ///< where it is visible no cuboid is asked to cover it
     bool covered;         ///< a cuboid lies in front of it
-    bool seen;            ///< no cuboid is asked to cover it
+  };
+  struct Pixel : Shown {
+    float depth;  ///< [m]; infinite where nothing is drawn
+  };
+  /// Pixels side by side in one row where a primitive was drawn and nothing was before.
+  struct Run {
+    int row;
+    std::uint32_t begin, end;
+  };
+  /// What a later primitive was drawn over.
+  struct Hidden {
+    std::uint32_t pixel;
+    Pixel before;
+  };
+  /// How much was drawn so far.
+  struct Mark {
+    std::size_t runs = 0, hidden = 0;
   };
 
   /// Empties the picture and moves the camera.
   void begin(const Vector3& viewpoint);
-  /// As if begun anew and drawn in as another was by its first so many calls of draw().
-  void beginAs(const ZBuffer& other, std::size_t draws);
+  [[nodiscard]] Mark mark() const { return {runs_.size(), hidden_.size()}; }
+  /// Takes back what was drawn since, and whatever is covered.
+  void takeBack(const Mark& mark);
   [[nodiscard]] const Vector3& viewpoint() const { return viewpoint_; }
   /// Draws a primitive where it is the nearest. One that contains the viewpoint is left out.
   void draw(const Shape& shape, const Pose& T_fixed_shape, std::uint32_t index);
-  /// The sensor saw as far as to what a pixel shows: whether a cuboid covers it does not matter.
-  void markSeen(std::uint32_t pixel) {
-    pixels_[pixel].seen = true;
+  /// For what the sensor says of them to be noted.
+  [[nodiscard]] Shown* editShown() {
     columns_known_ = false;
+    return shown_.data();
   }
-  /// Covers the pixels not seen that a cuboid lies in front of by more than the margin [m]. Every
-  /// pixel it reaches into counts: scans are sparser than pixels.
+  /// Covers the pixels not visible that a cuboid lies in front of by more than the margin [m].
+  /// Every pixel it reaches into counts: scans are sparser than pixels.
   /// @return whether it covers any.
   bool cover(const CuboidMap& map, const Cuboid& cuboid, double margin);
   /// The same with all of a map's cuboids. @param covering those that cover any, appended in order.
@@ -49,12 +69,16 @@ class ZBuffer {
     return farthest_ > 0.0F;
   }
   [[nodiscard]] const DirectionGrid& grid() const { return grid_; }
-  [[nodiscard]] const Pixel& pixel(int row, int column) const {
-    return pixels_[grid_.index(row, column)];
+  [[nodiscard]] Pixel pixel(int row, int column) const {
+    return pixelAt(static_cast<std::uint32_t>(grid_.index(row, column)));
   }
-  /// The indices of the pixels that show a primitive.
-  [[nodiscard]] const std::vector<std::uint32_t>& drawn() const { return drawn_; }
-  [[nodiscard]] const Pixel& pixelAt(std::uint32_t index) const { return pixels_[index]; }
+  /// Together all pixels that show a primitive, each in one run.
+  [[nodiscard]] const std::vector<Run>& runs() const { return runs_; }
+  [[nodiscard]] const std::vector<Hidden>& hidden() const { return hidden_; }
+  /// The indices of covered pixels.
+  [[nodiscard]] const std::vector<std::uint32_t>& covered() const { return covered_; }
+  [[nodiscard]] Pixel pixelAt(std::uint32_t index) const { return {shown_[index], depths_[index]}; }
+  [[nodiscard]] const float* depths() const { return depths_.data(); }
 
  private:
   /// Where something may show: elevations, and azimuths, not below 0, that may run past the last
@@ -70,18 +94,18 @@ class ZBuffer {
   };
   void findColumns();
   [[nodiscard]] UprightBox reach(double cell_size) const;
-  /// A ray at elevation 0.
-  struct LevelRay {
-    Vector3 direction;  ///< in the shape's frame
-    double along;       ///< [m] that the shape's centre is ahead
-  };
   /// Every pixel whose ray can meet the shape lies in it.
   [[nodiscard]] Window windowOf(const Shape& shape, const Pose& T_fixed_shape) const;
   void drawFrom(double nearest, const Shape& shape, const Pose& T_fixed_shape, std::uint32_t index);
+  void findLevelRays(const Window& window, const Eigen::Matrix3d& R_shape_fixed,
+                     const Vector3& to_shape);
   template <typename Solid>
   void drawIn(const Window& window, const Solid& solid, const Pose& T_fixed_shape,
               std::uint32_t index, float depth_min);
-  /// Nothing where the cuboid lies in front of nothing that is drawn and not seen.
+  /// Shows a primitive in some columns of a row where it is the nearest. @param depths by column.
+  void show(int row, int begin, int end, const float* depths, std::uint32_t index);
+  void noteIfFull(int row);
+  /// Nothing where the cuboid lies in front of nothing that is drawn and not visible.
   [[nodiscard]] std::optional<Silhouette> silhouetteOf(const CuboidMap& map,
                                                        const Cuboid& cuboid) const;
   /// Whether something that is drawn in its columns is further away than its near side.
@@ -91,27 +115,27 @@ class ZBuffer {
   DirectionGrid grid_;
   double narrow_sine_;  ///< of half the angle that a cuboid of few columns takes up
   Vector3 viewpoint_ = Vector3::Zero();
-  std::vector<Pixel> pixels_;
-  std::vector<LevelRay> level_rays_;  ///< of each column, for the shape being drawn
-  std::vector<std::uint32_t> drawn_;
-  /// What a later primitive was drawn over.
-  struct Hidden {
-    std::uint32_t pixel;
-    Pixel before;
-  };
+  // Of each pixel. Depths alone, as most of what is drawn is compared with them and no more.
+  std::vector<float> depths_;
+  std::vector<Shown> shown_;
+  std::vector<Run> runs_;
   std::vector<Hidden> hidden_;
-  /// How many pixels were drawn and hidden until the end of a draw().
-  struct Draw {
-    std::size_t drawn, hidden;
-  };
-  std::vector<Draw> draws_;
-  // Horizontal distance of the farthest that is drawn and not seen, in each column and in all [m];
-  // 0 for nothing.
+  std::vector<std::uint32_t> covered_;
+  std::vector<int> row_drawn_;  ///< how many pixels of each row
+  /// Of each row no pixel is further away; infinite where one shows nothing [m].
+  std::vector<float> row_farthest_;
+  Eigen::ArrayX2d columns_;  ///< directions of their middles
+  // Of each column, for the shape being drawn: the ray at elevation 0 in its frame, and how far its
+  // centre is ahead along it [m]; and the depths in a row.
+  Eigen::ArrayX4d level_rays_;
+  Eigen::ArrayXf found_;
+  // Horizontal distance of the farthest that is drawn and not visible, in each column and in all
+  // [m]; 0 for nothing.
   Eigen::ArrayXf column_farthest_;
   Eigen::ArrayXf neighbours_farthest_;  ///< of a column and some to either side
   bool columns_known_ = false;
   float farthest_ = 0.0F;
-  int lowest_row_ = 0;  ///< of all that is drawn and not seen
+  int lowest_row_ = 0;  ///< of all that is drawn and not visible
   int highest_row_ = -1;
 };
 

@@ -35,7 +35,9 @@ TEST(ColumnSpanTest, EachRowsColumnsAreVisitedInTheOrderOfTheWindow) {
         if (isNear(c % kColumns)) expected.push_back(c % kColumns);
       }
       span.fit(isNear);
-      span.visit([&](int column) { visited.push_back(column); });
+      span.visit([&](int first, int last) {
+        for (int column = first; column < last; ++column) visited.push_back(column);
+      });
       EXPECT_EQ(visited, expected) << scene << ": " << row;
     }
   }

@@ -215,22 +215,46 @@ TEST(OcclusionCheckTest, LooksOlderThanSoManyTiltPeriodsSayNothing) {
   EXPECT_EQ(visibilityOfBall(map).unseen_fraction, 1.0);
 }
 
-TEST(OcclusionCheckTest, LikeAnotherPoseTheFindingsAreAsAlone) {
-  const CuboidMap map = wall(-0.5, 0.5, -0.1, 0.1);
-  Body body{{Sphere{0.2}, Sphere{0.3}, Sphere{0.15}},
-            {placedAt(0.9, 0, 0), placedAt(-1, 0, 0), placedAt(1.2, 0.2, 0)}};
-  OcclusionCheck here({}, {0, 1, 2}), ahead({}, {0, 1, 2}), alone({}, {0, 1, 2});
-  PoseFindings findings;
-  here.find(map, body, findings);
-  const Body body_here = body;
-  body.poses[2] = placedAt(1.2, -0.2, 0.1);
-  ahead.find(map, body, findings, &here, &body_here);
-  const PoseFindings expected = findingsOf(alone, map, body);
+void expectSame(const PoseFindings& findings, const PoseFindings& expected) {
   EXPECT_EQ(findings.occluding_cuboids, expected.occluding_cuboids);
-  for (std::size_t i = 0; i < 3; ++i) {
+  EXPECT_EQ(findings.occlusion, expected.occlusion);
+  ASSERT_EQ(findings.links.size(), expected.links.size());
+  for (std::size_t i = 0; i < expected.links.size(); ++i) {
     EXPECT_EQ(findings.links[i].silhouette, expected.links[i].silhouette);
+    EXPECT_EQ(findings.links[i].visible_fraction, expected.links[i].visible_fraction);
     EXPECT_EQ(findings.links[i].occluded_fraction, expected.links[i].occluded_fraction);
+    EXPECT_EQ(findings.links[i].unseen_fraction, expected.links[i].unseen_fraction);
   }
+}
+
+/// Shapes that move now and then, or are elsewhere ahead, before walls that the sensor saw in part.
+TEST(OcclusionCheckTest, OfTwoPosesAtOnceTheFindingsAreAsOfEachAlone) {
+  Random random(7);
+  const std::vector<std::uint32_t> links{0, 1, 2, 0, 1, 2};
+  OcclusionCheck check({}, links);
+  const CuboidMap map = lookedThrough(wall(-0.5, 0.5, -0.3, 0.3), 0.7, Seen::kRobot);
+  Body body;
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    body.shapes.push_back(random.shape(i % test::kShapeKinds));
+    body.poses.push_back(random.pose(1.2));
+  }
+  std::size_t hiding = 0, differ = 0;
+  for (int step = 0; step < 200; ++step) {
+    Body ahead = body;
+    for (std::size_t i = 0; i < links.size(); ++i) {
+      if (random.chance(0.2)) body.poses[i] = random.pose(1.2);
+      ahead.poses[i] = random.chance(0.3) ? random.pose(1.2) : body.poses[i];
+    }
+    PoseFindings here_findings, ahead_findings;
+    check.find(map, body, here_findings, &ahead, &ahead_findings);
+    OcclusionCheck alone({}, links), alone_ahead({}, links);
+    expectSame(here_findings, findingsOf(alone, map, body));
+    expectSame(ahead_findings, findingsOf(alone_ahead, map, ahead));
+    hiding += here_findings.occluding_cuboids.size();
+    differ += here_findings.links[0].silhouette != ahead_findings.links[0].silhouette ? 1 : 0;
+  }
+  EXPECT_GT(hiding, 100U);
+  EXPECT_GT(differ, 50U);
 }
 
 TEST(OcclusionCheckTest, WithoutLinksNoneIsOccluded) {

@@ -150,7 +150,7 @@ TEST_F(PoseCheckTest, TheCheckedBodyCanBeShown) {
   EXPECT_NEAR(std::get<Sphere>(check.collisionBody().body.shapes[0]).radius, 0.08, 1e-12);
   EXPECT_TRUE(test::isNearly(Vector3(check.collisionBody().body.poses[0].translation()),
                              Vector3(0.3, 0.0, 0.5), 1e-12));
-  EXPECT_FALSE(check.occlusion().picture().drawn().empty());
+  EXPECT_FALSE(check.occlusion().picture().runs().empty());
   EXPECT_EQ(check.occlusionBody().shapes[1], 1U);
 }
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "geometry/ray.h"
+#include "check/ray_entry.h"
 #include "support/cuboid_scene.h"
 
 namespace tccm {
@@ -23,10 +23,19 @@ Vector3 directionOf(const ZBuffer& buffer, int row, int column) {
           std::sin(elevation)};
 }
 
+/// The pixels that show something.
+std::vector<std::uint32_t> drawnIn(const ZBuffer& buffer) {
+  std::vector<std::uint32_t> drawn;
+  for (const ZBuffer::Run& run : buffer.runs()) {
+    for (std::uint32_t at = run.begin; at < run.end; ++at) drawn.push_back(at);
+  }
+  return drawn;
+}
+
 /// [sr]
 double solidAngle(const ZBuffer& buffer) {
   double pixels = 0.0;
-  for (const std::uint32_t at : buffer.drawn())
+  for (const std::uint32_t at : drawnIn(buffer))
     pixels += buffer.grid().cosine(buffer.grid().rowOfPixel(at));
   return pixels * std::pow(M_PI / buffer.grid().rows(), 2);
 }
@@ -84,7 +93,7 @@ TEST(ZBufferTest, EveryPixelShowsWhatItsRayMeetsFirst) {
           const auto span = intersect(body.shapes[i], transformed(ray, body.poses[i].inverse()));
           if (span) nearest = std::min(nearest, span->enter);
         }
-        const auto& pixel = buffer.pixel(row, column);
+        const auto pixel = buffer.pixel(row, column);
         if (std::isinf(nearest)) {
           EXPECT_TRUE(std::isinf(pixel.depth)) << scene << ": " << row << ", " << column;
         } else {
@@ -97,13 +106,33 @@ TEST(ZBufferTest, EveryPixelShowsWhatItsRayMeetsFirst) {
   EXPECT_GT(shown, 10000U);
 }
 
+/// Where a capsule's own formulas, without those of where a ray leaves, say that it is entered.
+TEST(ZBufferTest, CapsulesAreEnteredWhereTheirLineSpansBegin) {
+  Random random(8);
+  int met = 0;
+  for (int i = 0; i < 200000; ++i) {
+    const Capsule capsule{random.uniform(0.01, 0.3),
+                          random.chance(0.1) ? 0.0 : random.uniform(0.0, 0.5)};
+    const Vector3 origin = random.uniform(0.0, 3.0) * random.direction();
+    if (distance(capsule, origin) == 0.0) continue;
+    const bool is_along = random.chance(0.01);
+    const Vector3 direction = is_along ? Vector3(0.0, 0.0, -1.0) : random.direction();
+    const Ray ray{is_along ? Vector3(0.1 * capsule.radius, 0.0, 2.0) : origin, direction};
+    const auto span = intersect(capsule, ray);
+    const double way = WayToSolid<Capsule>(capsule, ray.origin)(direction);
+    ASSERT_EQ(way, span ? span->enter : std::numeric_limits<double>::infinity()) << i;
+    met += span ? 1 : 0;
+  }
+  EXPECT_GT(met, 5000);
+}
+
 TEST(ZBufferTest, TheNearerOfTwoIsShownInWhicheverOrderTheyAreDrawn) {
   for (const bool near_first : {true, false}) {
     ZBuffer buffer(kResolution);
     buffer.begin(kOrigin);
     buffer.draw(Sphere{0.2}, placedAt(near_first ? 1.0 : 2.0, 0, 0), near_first ? 1 : 2);
     buffer.draw(Sphere{0.2}, placedAt(near_first ? 2.0 : 1.0, 0, 0), near_first ? 2 : 1);
-    for (const std::uint32_t at : buffer.drawn()) EXPECT_EQ(buffer.pixelAt(at).shape, 1U);
+    for (const std::uint32_t at : drawnIn(buffer)) EXPECT_EQ(buffer.pixelAt(at).shape, 1U);
   }
 }
 
@@ -113,8 +142,8 @@ TEST(ZBufferTest, OfTwoAtOnePlaceTheFirstOfTheBodyIsShownInWhicheverOrderTheyAre
     buffer.begin(kOrigin);
     buffer.draw(Box{{0.1, 0.2, 0.2}}, placedAt(1, 0, 0), drawn_first);
     buffer.draw(Box{{0.1, 0.2, 0.2}}, placedAt(1, 0, 0), 3U - drawn_first);
-    EXPECT_FALSE(buffer.drawn().empty());
-    for (const std::uint32_t at : buffer.drawn()) EXPECT_EQ(buffer.pixelAt(at).shape, 1U);
+    EXPECT_FALSE(buffer.runs().empty());
+    for (const std::uint32_t at : drawnIn(buffer)) EXPECT_EQ(buffer.pixelAt(at).shape, 1U);
   }
 }
 
@@ -123,9 +152,9 @@ TEST(ZBufferTest, AShapeAroundTheViewpointIsLeftOut) {
   buffer.begin(Vector3(0.1, 0.0, 0.0));
   buffer.draw(Sphere{0.2}, Pose::Identity(), 0);
   buffer.draw(Box{{0.1, 0.1, 0.1}}, Pose::Identity(), 0);
-  EXPECT_TRUE(buffer.drawn().empty()) << "its surface belongs to the inside";
+  EXPECT_TRUE(buffer.runs().empty()) << "its surface belongs to the inside";
   buffer.draw(Box{{0.09, 0.1, 0.1}}, Pose::Identity(), 0);
-  EXPECT_FALSE(buffer.drawn().empty());
+  EXPECT_FALSE(buffer.runs().empty());
 }
 
 TEST(ZBufferTest, BeginEmptiesThePicture) {
@@ -133,7 +162,7 @@ TEST(ZBufferTest, BeginEmptiesThePicture) {
   buffer.begin(kOrigin);
   buffer.draw(Sphere{0.2}, placedAt(1, 0, 0), 0);
   buffer.begin(kOrigin);
-  EXPECT_TRUE(buffer.drawn().empty());
+  EXPECT_TRUE(buffer.runs().empty());
   for (int row = 0; row < buffer.grid().rows(); ++row) {
     for (int column = 0; column < buffer.grid().columns(); ++column) {
       EXPECT_TRUE(std::isinf(buffer.pixel(row, column).depth));
@@ -197,12 +226,12 @@ TEST(ZBufferTest, CoversEveryPixelWhoseRayMeetsTheCuboidInFront) {
     buffer.cover(map, map.cuboids[0], kMargin);
     Pose T_fixed_box = Pose::Identity();
     T_fixed_box.translation() = box.center();
-    for (const std::uint32_t at : buffer.drawn()) {
+    for (const std::uint32_t at : drawnIn(buffer)) {
       const int row = static_cast<int>(at) / buffer.grid().columns();
       const int column = static_cast<int>(at) % buffer.grid().columns();
       const Ray ray{viewpoint, directionOf(buffer, row, column)};
       const auto span = intersect(Box{0.5 * box.sizes()}, transformed(ray, T_fixed_box.inverse()));
-      const auto& pixel = buffer.pixelAt(at);
+      const auto pixel = buffer.pixelAt(at);
       if (!span || span->enter + kMargin + 1e-5 > pixel.depth) continue;
       EXPECT_TRUE(pixel.covered) << scene << ": " << row << ", " << column;
       ++covered;
@@ -233,45 +262,92 @@ TEST(ZBufferTest, AllCuboidsTogetherCoverWhatEachCoversAlone) {
     }
     EXPECT_EQ(covering, each) << scene;
     covering_any += each.size();
-    for (const std::uint32_t at : alone.drawn()) {
+    for (const std::uint32_t at : drawnIn(alone)) {
       EXPECT_EQ(together.pixelAt(at).covered, alone.pixelAt(at).covered) << scene;
     }
   }
   EXPECT_GT(covering_any, 1000U);
 }
 
+void sayUnseen(ZBuffer& buffer) {
+  for (const std::uint32_t at : drawnIn(buffer)) {
+    buffer.editShown()[at].sight = ZBuffer::Sight::kUnseen;
+  }
+}
+
+void expectSamePicture(const ZBuffer& one, const ZBuffer& other, int scene) {
+  ASSERT_EQ(drawnIn(one).size(), drawnIn(other).size()) << scene;
+  for (std::uint32_t at = 0; at < one.grid().pixels(); ++at) {
+    const ZBuffer::Pixel a = one.pixelAt(at), b = other.pixelAt(at);
+    ASSERT_EQ(a.depth, b.depth) << scene << ": " << at;
+    if (std::isinf(a.depth)) continue;
+    ASSERT_EQ(a.shape, b.shape) << scene << ": " << at;
+    ASSERT_EQ(a.sight, b.sight) << scene << ": " << at;
+    ASSERT_EQ(a.covered, b.covered) << scene << ": " << at;
+  }
+}
+
+/// Six shapes; some stand under the viewpoint, as a body does under a head, and fill whole rows.
+std::vector<PlacedShape> randomBody(Random& random, const Vector3& viewpoint) {
+  std::vector<PlacedShape> body;
+  for (std::size_t i = 0; i < 6; ++i) {
+    body.push_back({random.shape(i % test::kShapeKinds), random.pose(0.8)});
+    body.back().pose.translation() += viewpoint;
+    if (!random.chance(0.3)) continue;
+    body.back().pose.translation() = viewpoint - Vector3(0.0, 0.0, random.uniform(0.3, 1.0));
+  }
+  return body;
+}
+
 /// A picture of shapes some of which moved.
-TEST(ZBufferTest, APictureBegunAsAnotherIsAsIfDrawnAlone) {
+TEST(ZBufferTest, WhatIsDrawnAnewAfterSomeWasTakenBackIsAsIfDrawnAlone) {
   Random random(5);
-  ZBuffer other(kResolution), begun(kResolution), alone(kResolution);
-  for (int scene = 0; scene < 60; ++scene) {
-    const Vector3 viewpoint = random.point(0.5);
-    std::vector<Shape> shapes;
-    std::vector<Pose> poses;
-    for (std::size_t i = 0; i < 6; ++i) {
-      shapes.push_back(random.shape(i % test::kShapeKinds));
-      poses.push_back(random.pose(0.8));
-    }
-    const auto draw = [&](ZBuffer& buffer, std::size_t from) {
-      for (std::size_t i = from; i < 6; ++i) {
-        buffer.draw(shapes[i], poses[i], static_cast<std::uint32_t>(i));
+  ZBuffer again(kResolution), alone(kResolution);
+  const CuboidMap map = test::randomMap(random, mapAround().grid.config(), 0.3);
+  std::size_t covering = 0;
+  for (int scene = 0; scene < 100; ++scene) {
+    Vector3 viewpoint = random.point(0.5);
+    viewpoint.z() = random.uniform(-2.0, -1.3);  // among the cuboids, which stand low
+    std::vector<PlacedShape> body = randomBody(random, viewpoint);
+    const auto draw = [&](ZBuffer& buffer, std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        buffer.draw(body[i].shape, body[i].pose, static_cast<std::uint32_t>(i));
       }
     };
-    other.begin(viewpoint);
-    draw(other, 0);
-    for (const std::uint32_t at : other.drawn()) other.markSeen(at);
     const auto same = static_cast<std::size_t>(random.integer(0, 6));
-    for (std::size_t i = same; i < 6; ++i) poses[i] = random.pose(0.8);
-    begun.beginAs(other, same);
-    draw(begun, same);
+    again.begin(viewpoint);
+    draw(again, 0, same);
+    sayUnseen(again);
+    const ZBuffer::Mark mark = again.mark();
+    draw(again, same, 6);
+    std::vector<std::uint32_t> cuboids;
+    again.coverBy(map, 0.05, cuboids);
+    covering += cuboids.size();
+    const std::vector<PlacedShape> moved = randomBody(random, viewpoint);
+    std::copy(moved.begin() + static_cast<std::ptrdiff_t>(same), moved.end(),
+              body.begin() + static_cast<std::ptrdiff_t>(same));
+    again.takeBack(mark);
+    draw(again, same, 6);
     alone.begin(viewpoint);
-    draw(alone, 0);
-    ASSERT_EQ(begun.drawn(), alone.drawn()) << scene << ": in the same order";
-    for (std::uint32_t at = 0; at < alone.grid().pixels(); ++at) {
-      EXPECT_EQ(begun.pixelAt(at).depth, alone.pixelAt(at).depth);
-      EXPECT_EQ(begun.pixelAt(at).shape, alone.pixelAt(at).shape);
-      EXPECT_FALSE(begun.pixelAt(at).seen);
+    draw(alone, 0, same);
+    sayUnseen(alone);
+    draw(alone, same, 6);
+    expectSamePicture(again, alone, scene);
+  }
+  EXPECT_GT(covering, 100U);
+}
+
+TEST(ZBufferTest, InWhicheverOrderItIsDrawnAPictureShowsTheSame) {
+  Random random(6);
+  ZBuffer one(kResolution), other(kResolution);
+  for (int scene = 0; scene < 100; ++scene) {
+    for (ZBuffer* buffer : {&one, &other}) buffer->begin(kOrigin);
+    const std::vector<PlacedShape> body = randomBody(random, kOrigin);
+    for (std::uint32_t i = 0; i < 6; ++i) {
+      one.draw(body[i].shape, body[i].pose, i);
+      other.draw(body[5 - i].shape, body[5 - i].pose, 5 - i);
     }
+    expectSamePicture(one, other, scene);
   }
 }
 
