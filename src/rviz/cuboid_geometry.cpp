@@ -13,17 +13,19 @@ constexpr Rgba kStatic{64, 191, 77, 255}, kDynamic{230, 64, 38, 255}, kHeld{153,
 constexpr Rgba kTouched{255, 0, 204, 255}, kHides{51, 102, 255, 255};
 constexpr Rgba kLive{190, 190, 200, 255}, kHeldAlone{170, 90, 255, 255};
 
-/// How bright each side is, so that shapes show without lights.
-constexpr std::array<double, kSides> kBrightness{1.0, 0.4, 0.85, 0.65, 0.75, 0.75};
+/// How bright each side is, in 256ths, so that shapes show without lights.
+constexpr std::array<unsigned, kSides> kBrightness{256, 102, 218, 166, 192, 192};
 
 std::uint8_t toByte(double value) {
   return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
 }
 
 Rgba shaded(const Rgba& color, Side side) {
-  const double bright = kBrightness[static_cast<std::size_t>(side)];
-  return {toByte(color.red * bright), toByte(color.green * bright), toByte(color.blue * bright),
-          color.opacity};
+  const unsigned bright = kBrightness[static_cast<std::size_t>(side)];
+  const auto shade = [bright](unsigned channel) {
+    return static_cast<std::uint8_t>(channel * bright / 256);
+  };
+  return {shade(color.red), shade(color.green), shade(color.blue), color.opacity};
 }
 
 /// From blue at 0 over green to red at 1.
@@ -90,8 +92,12 @@ using Corner = std::array<float, 3>;
 void addFace(Side side, const Rgba& color, const std::array<Corner, CuboidFaces::kCorners>& corners,
              CuboidFaces& faces) {
   const Rgba shade = shaded(color, side);
+  std::array<CuboidVertex, CuboidFaces::kCorners> face{};
+  for (std::size_t i = 0; i < face.size(); ++i) {
+    face[i] = {corners[i][0], corners[i][1], corners[i][2], shade};
+  }
   std::vector<CuboidVertex>& vertices = faces.sides[static_cast<std::size_t>(side)];
-  for (const Corner& corner : corners) vertices.push_back({corner[0], corner[1], corner[2], shade});
+  vertices.insert(vertices.end(), face.begin(), face.end());
 }
 
 /// The edges of a cuboid in the map's frame.

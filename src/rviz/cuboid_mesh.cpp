@@ -32,6 +32,7 @@ Ogre::MaterialPtr newMaterial() {
       name, Ogre::ResourceGroupManager::DEFAULT_RESOURCE_GROUP_NAME);
   material->setReceiveShadows(false);
   material->getTechnique(0)->setLightingEnabled(false);
+  material->getTechnique(0)->setShadingMode(Ogre::SO_FLAT);  // a face has one colour
   return material;
 }
 

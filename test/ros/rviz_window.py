@@ -24,8 +24,8 @@ def missing():
 
 
 class Window:
-    def __init__(self, config, *arguments):
-        """@param config file of rviz."""
+    def __init__(self, config, *arguments, log=None):
+        """@param config file of rviz. @param log file for what it says; None: where we say it."""
         end, start = os.pipe()
         self.display = subprocess.Popen(
             ["Xvfb", "-displayfd", str(start), "-screen", "0", f"{SIZE[0]}x{SIZE[1]}x24",
@@ -36,7 +36,7 @@ class Window:
         # Edges without smoothing are exact, and software GL takes half the time.
         self.environment = dict(os.environ, DISPLAY=f":{number}", LIBGL_ALWAYS_SOFTWARE="1")
         self.rviz = subprocess.Popen(["rviz", "--disable-anti-aliasing", "-d", config, *arguments],
-                                     env=self.environment)
+                                     env=self.environment, stdout=log, stderr=log)
 
     def runs(self):
         return self.rviz.poll() is None
