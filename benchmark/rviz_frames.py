@@ -51,7 +51,8 @@ def publish(options):
     from rviz_scene import waves
     from tccm_monitor.msg import CuboidMap
     rospy.init_node("rviz_frames")
-    maps = [serialized(waves(options.cuboids, 2.0 * math.pi * i / PHASES)) for i in range(PHASES)]
+    maps = [serialized(waves(options.cuboids, 2.0 * math.pi * i / PHASES,
+                             options.layers)) for i in range(PHASES)]
 
     class Ready(CuboidMap):
         """Is not serialized anew each time."""
@@ -77,6 +78,7 @@ def publish(options):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cuboids", type=int, default=20000)
+    parser.add_argument("--layers", type=int, default=1, help="one above the other")
     parser.add_argument("--rate", type=float, default=20.0, help="of the maps [Hz]")
     parser.add_argument("--duration", type=float, default=30.0, help="[s]")
     options = parser.parse_args()

@@ -24,10 +24,8 @@ class AttachDialog : public QDialog {
 
   [[nodiscard]] tccm_monitor::AttachObject::Request request() const;
 
- private Q_SLOTS:
-  void changeShape();
-
  private:
+  void changeShape();
   QDoubleSpinBox* addNumber(QFormLayout& form, const QString& name, const QString& unit, double low,
                             double high, double value);
 

@@ -123,7 +123,7 @@ void addSides(const CuboidMap& map, const Cuboid& cuboid, bool along_x, const Rg
               CuboidFaces& faces) {
   const Edges box(map, cuboid);
   const float x0 = box.low.x(), y0 = box.low.y(), x1 = box.high.x(), y1 = box.high.y();
-  const CellIndex cells_x = map.grid.cellsX();
+  const CellIndex cells_x = std::max(1U, map.grid.cellsX());
   const CellIndex at = along_x ? cuboid.cell % cells_x : cuboid.cell / cells_x;
   const CellIndex end = along_x ? cells_x : map.grid.cellsY();
   const CellIndex step = along_x ? 1 : cells_x;
@@ -235,7 +235,7 @@ void CuboidGeometry::markFlagged(const CuboidMap& map, const std::vector<Flagged
 }
 
 void CuboidGeometry::orderByColumn(const CuboidMap& map) {
-  const CellIndex cells_x = map.grid.cellsX();
+  const CellIndex cells_x = std::max(1U, map.grid.cellsX());
   columns_.assign(cells_x + 1, 0);
   for (const Cuboid& cuboid : map.cuboids) ++columns_[cuboid.cell % cells_x + 1];
   for (CellIndex x = 0; x < cells_x; ++x) columns_[x + 1] += columns_[x];

@@ -11,6 +11,7 @@
 #include <rviz/properties/ros_topic_property.h>
 
 #include <algorithm>
+#include <initializer_list>
 #include <pluginlib/class_list_macros.hpp>
 #include <string>
 #include <utility>
@@ -25,6 +26,7 @@ using rviz::StatusProperty;
 
 constexpr std::size_t kCuboidsMax = 200000;  ///< ten times what a large map has
 constexpr double kSilence = 2.0;             ///< [s] without a map
+constexpr double kCounted = 2.0;             ///< [s] until frames are told of
 constexpr double kFlaggedFor = 1.0;          ///< [s] without a status
 
 Rgba toRgba(const QColor& color) {
@@ -52,7 +54,7 @@ CuboidMapDisplay::CuboidMapDisplay() {
                                      "from blue to red, for how many windows something "
                                      "has been there. Height: of its top, from blue to red. "
                                      "Sensor: all in one colour. Held: held ones violet.",
-                                     this, SLOT(changeLook()));
+                                     this);
   for (const auto& [name, coloring] :
        {std::pair("Verdict", CuboidColoring::kVerdict),
         std::pair("Dynamic", CuboidColoring::kDynamic), std::pair("Age", CuboidColoring::kAge),
@@ -60,27 +62,29 @@ CuboidMapDisplay::CuboidMapDisplay() {
         std::pair("Held", CuboidColoring::kHeld)}) {
     coloring_->addOption(name, static_cast<int>(coloring));
   }
-  alpha_ =
-      new rviz::FloatProperty("Alpha", 1.0F, "Opacity of all, 0 to 1", this, SLOT(changeLook()));
+  alpha_ = new rviz::FloatProperty("Alpha", 1.0F, "Opacity of all, 0 to 1", this);
   alpha_->setMin(0.0F);
   alpha_->setMax(1.0F);
-  sensor_color_ = new rviz::ColorProperty("Sensor colour", QColor(64, 191, 77),
-                                          "Of all cuboids, where the colour tells the sensor", this,
-                                          SLOT(changeLook()));
+  sensor_color_ =
+      new rviz::ColorProperty("Sensor colour", QColor(64, 191, 77),
+                              "Of all cuboids, where the colour tells the sensor", this);
   static_windows_ = new rviz::IntProperty(
       "Static windows", 3,
-      "For so many windows what is static has been there; the mapper's static_windows", this,
-      SLOT(changeLook()));
+      "For so many windows what is static has been there; the mapper's static_windows", this);
   static_windows_->setMin(1);
   status_topic_ = new rviz::RosTopicProperty(
       "Status topic", "monitor_status",
       QString::fromStdString(ros::message_traits::datatype<tccm_monitor::MonitorStatus>()),
-      "Whose flagged cuboids are shown, where the colour tells the verdict", this,
-      SLOT(changeStatusTopic()));
+      "Whose flagged cuboids are shown, where the colour tells the verdict", this);
+  for (const rviz::Property* property : std::initializer_list<const rviz::Property*>{
+           coloring_, alpha_, sensor_color_, static_windows_}) {
+    connect(property, &rviz::Property::changed, this, &CuboidMapDisplay::changeLook);
+  }
+  connect(status_topic_, &rviz::Property::changed, this, &CuboidMapDisplay::changeStatusTopic);
 }
 
 CuboidMapDisplay::~CuboidMapDisplay() {
-  unsubscribe();
+  CuboidMapDisplay::unsubscribe();
   for (const auto* mesh : {&live_, &held_}) {
     if (*mesh) scene_node_->detachObject(mesh->get());
   }
@@ -248,13 +252,15 @@ void CuboidMapDisplay::countFrame(float wall_dt) {
   c.wall_s += static_cast<double>(wall_dt);
   c.longest_s = std::max(c.longest_s, static_cast<double>(wall_dt));
   ++c.frames;
-  if (c.wall_s < 2.0) return;
-  ROS_DEBUG_NAMED(
-      "cuboid_map_display",
-      "%zu cuboids, %zu faces: %.1f frames a second, the longest %.0f ms; drawn anew %.1f times "
-      "a second, in %.1f ms",
-      map_.cuboids.size(), geometry_.faces(), c.frames / c.wall_s, 1e3 * c.longest_s,
-      c.drawn / c.wall_s, c.drawn > 0 ? 1e3 * c.drawing_s / c.drawn : 0.0);
+  if (c.wall_s < kCounted) return;
+  if (c.drawn > 0) {
+    ROS_DEBUG_NAMED(
+        "cuboid_map_display",
+        "%zu cuboids, %zu faces: %.1f frames a second, the longest %.0f ms; drawn anew %.1f times "
+        "a second, in %.1f ms",
+        map_.cuboids.size(), geometry_.faces(), c.frames / c.wall_s, 1e3 * c.longest_s,
+        c.drawn / c.wall_s, 1e3 * c.drawing_s / c.drawn);
+  }
   c = {};
 }
 

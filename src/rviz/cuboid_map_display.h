@@ -39,11 +39,9 @@ class CuboidMapDisplay : public rviz::MessageFilterDisplay<tccm_monitor::CuboidM
   void subscribe() override;
   void unsubscribe() override;
 
- private Q_SLOTS:
+ private:
   void changeLook();
   void changeStatusTopic();
-
- private:
   void processMessage(const tccm_monitor::CuboidMap::ConstPtr& message) override;
   void takeStatus(const tccm_monitor::MonitorStatus& status);
   void setFlagged(std::vector<FlaggedPlace> flagged);

@@ -32,15 +32,13 @@ class MonitorPanel : public rviz::Panel {
   void load(const rviz::Config& config) override;
   void save(rviz::Config config) const override;
 
- private Q_SLOTS:
+ private:
   void changeNamespace();
   void refresh();
   void reset();
   void clearMap();
   void attach();
   void detach();
-
- private:
   void addVerdict(QVBoxLayout& layout);
   void addButtons(QVBoxLayout& layout);
   void subscribe();

@@ -23,10 +23,8 @@ class ServiceCaller : public QObject {
  Q_SIGNALS:
   void told(const QString& text);
 
- private Q_SLOTS:
-  void look();
-
  private:
+  void look();
   struct Answer;
 
   QTimer timer_;

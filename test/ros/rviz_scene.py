@@ -31,18 +31,17 @@ def fill(message, x_range, y_range, bottom, top, **fields):
     return message
 
 
-def waves(count, phase):
-    """A map of so many cuboids, one or two a cell, that moves with the phase [rad]."""
-    side = math.ceil(math.sqrt(count / 1.5))
+def waves(count, phase, layers=1):
+    """A map of so many cuboids that moves with the phase [rad]. No two have the same heights."""
+    side = math.ceil(math.sqrt(count / layers))
     message = empty_map(side, side, origin=(-0.2, -side * CELL / 2.0))
     for cell in range(side * side):
         x, y = cell % side, cell // side
         height = 0.6 + 0.25 * math.sin(0.11 * x + phase) * math.cos(0.09 * y + phase)
-        message.cuboids.append(cuboid(cell, height - 0.04, height, age_scans=x,
-                                      dyn=STATIC if (x // 8 + y // 8) % 4 else DYNAMIC))
-        if cell % 2:
-            message.cuboids.append(cuboid(cell, height + 0.3, height + 0.35, dyn=STATIC,
-                                          held=cell % 9 == 0))
+        for layer in range(layers):
+            top = height + 0.3 * layer
+            message.cuboids.append(cuboid(cell, top - 0.04, top, held=layer == 1 and cell % 9 == 0,
+                                          dyn=STATIC if (x // 8 + y // 8) % 4 else DYNAMIC))
     del message.cuboids[count:]
     return message
 
