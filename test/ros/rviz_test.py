@@ -16,9 +16,10 @@ from std_srvs.srv import Trigger, TriggerResponse
 
 import rviz_window
 from rviz_scene import DYNAMIC, STATIC, empty_map, fill, status
+from rviz_window import AWAITS_RESET, OK, PATIENCE, SILENT, STOP, box_of, where
 from scripted_monitor import Rate
 from tccm_monitor.msg import CuboidMap, LinkStatus, MonitorStatus
-from rviz_window import AWAITS_RESET, OK, PATIENCE, SILENT, STOP, box_of, where
+from tccm_monitor.srv import AttachObject, AttachObjectResponse
 from waiting import wait_for
 
 PACKAGE = pathlib.Path(rospkg.RosPack().get_path("tccm_monitor"))
@@ -74,6 +75,11 @@ class RvizTest(unittest.TestCase):
         cls.joints = rospy.Publisher("joint_states", JointState, queue_size=1)
         cls.diagnostics = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=1)
         cls.service = rospy.Service("reset", Trigger, cls.reset)
+        cls.cleared, cls.attached = [], []
+        cls.others = [
+            rospy.Service(f"{sensor}/clear_map", Trigger, cls.clearing(sensor))
+            for sensor in ("laser", "camera")]
+        cls.others.append(rospy.Service("attach_object", AttachObject, cls.attach))
         cls.rate = Rate(0.1, cls.publish)
         cls.window = rviz_window.Window(str(PACKAGE / "rviz" / "tccm_monitor.rviz"), "-f",
                                         "base_link")
@@ -90,6 +96,15 @@ class RvizTest(unittest.TestCase):
         cls.status = status(MonitorStatus.OK, "CLEAR", "", speed_scale=1.0,
                             cuboids=len(cls.map.cuboids), window_scans=40)
         return TriggerResponse(True, "lifted COLLISION")
+
+    @classmethod
+    def clearing(cls, sensor):
+        return lambda _: cls.cleared.append(sensor) or TriggerResponse(True, "")
+
+    @classmethod
+    def attach(cls, request):
+        cls.attached.append(request)
+        return AttachObjectResponse(True, "")
 
     @classmethod
     def publish(cls):
@@ -132,6 +147,21 @@ class RvizTest(unittest.TestCase):
         self.window.wait_for_color(OK, 5000)
         self.window.wait_without(AWAITS_RESET)
         self.window.wait_without(MAGENTA)
+
+    def test_clear_map_clears_that_of_every_sensor(self):
+        self.window.wait_for_color(AWAITS_RESET, 1000)
+        self.window.click_button(1, 0)
+        wait_for(lambda: sorted(self.cleared) == ["camera", "laser"], PATIENCE)
+
+    def test_what_is_asked_for_is_attached(self):
+        self.window.wait_for_color(AWAITS_RESET, 1000)
+        self.window.click_button(0, 1)
+        self.window.press_return("Attach an object")
+        wait_for(lambda: self.attached, PATIENCE)
+        request = self.attached[0]
+        self.assertEqual((request.name, request.link), ("object", "right_palm_link"))
+        self.assertEqual((request.primitive.shape, request.primitive.size.x), ("box", 0.1))
+        self.assertEqual(request.primitive.pose.orientation.w, 1.0)
 
     def test_of_a_silent_monitor_nothing_is_shown(self):
         self.window.wait_for_color(STOP, 5000)

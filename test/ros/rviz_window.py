@@ -74,9 +74,19 @@ class Window:
         wait_for(gone, PATIENCE)
 
     def click_reset(self):
-        """Where it is orange: its word in the middle is not."""
+        self.click_button(0, 0)
+
+    def click_button(self, column, row):
+        """Of the panel's, Reset being the first, and orange."""
         x, y, width, height = box_of(where(self.picture(), AWAITS_RESET))
-        self.click(x + width // 2, y + height // 4)
+        # Beside the word in the middle; buttons have some pixels between them.
+        self.click(x + width // 2 + column * (width + 6), y + height // 4 + row * (height + 6))
+
+    def press_return(self, title):
+        """In a window of that title, once it is there."""
+        subprocess.run(["xdotool", "search", "--sync", "--onlyvisible", "--name", title,
+                        "windowfocus", "key", "--window", "%1", "Return"],
+                       env=self.environment, check=True, timeout=PATIENCE)
 
     def view(self):
         """@return where the scene is in the picture."""
