@@ -5,6 +5,7 @@ panel's Reset calls the service."""
 import copy
 import pathlib
 import tempfile
+import threading
 import unittest
 
 import rospkg
@@ -69,7 +70,10 @@ class RvizTest(unittest.TestCase):
             contact_link="right_palm_link", cuboids=len(cls.map.cuboids), window_scans=40,
             ready_to_verdict_s=0.0011, scan_to_verdict_s=0.034,
             links=[LinkStatus(link="right_palm_link", collision=True, clearance=0.004)])
+        cls.clear = status(MonitorStatus.OK, "CLEAR", "", speed_scale=1.0,
+                           cuboids=len(cls.map.cuboids), window_scans=40)
         cls.status = cls.stopped
+        cls.answers = threading.Event()  # whether reset answers
         cls.maps = rospy.Publisher("cuboid_map", CuboidMap, queue_size=1)
         cls.statuses = rospy.Publisher("monitor_status", MonitorStatus, queue_size=1)
         cls.joints = rospy.Publisher("joint_states", JointState, queue_size=1)
@@ -93,8 +97,8 @@ class RvizTest(unittest.TestCase):
     @classmethod
     def reset(cls, request):
         cls.resets.append(request)
-        cls.status = status(MonitorStatus.OK, "CLEAR", "", speed_scale=1.0,
-                            cuboids=len(cls.map.cuboids), window_scans=40)
+        cls.answers.wait()
+        cls.status = cls.clear
         return TriggerResponse(True, "lifted COLLISION")
 
     @classmethod
@@ -126,6 +130,7 @@ class RvizTest(unittest.TestCase):
         cls = type(self)
         cls.status, cls.map.header.frame_id = cls.stopped, "base_link"
         self.resets.clear()
+        self.answers.set()
 
     def test_the_map_is_shown_in_the_colours_of_the_verdict(self):
         self.window.wait_for_color(MAGENTA, 300)
@@ -147,6 +152,17 @@ class RvizTest(unittest.TestCase):
         self.window.wait_for_color(OK, 5000)
         self.window.wait_without(AWAITS_RESET)
         self.window.wait_without(MAGENTA)
+
+    def test_a_service_that_does_not_answer_stops_no_window(self):
+        self.window.wait_for_color(AWAITS_RESET, 1000)
+        self.answers.clear()
+        self.addCleanup(self.answers.set)
+        self.window.click_reset()
+        wait_for(lambda: self.resets, PATIENCE)
+        type(self).status = None
+        self.window.wait_for_color(SILENT, 5000)
+        self.answers.set()
+        wait_for(lambda: self.status is self.clear)
 
     def test_clear_map_clears_that_of_every_sensor(self):
         self.window.wait_for_color(AWAITS_RESET, 1000)
