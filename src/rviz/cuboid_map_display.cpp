@@ -96,7 +96,6 @@ void CuboidMapDisplay::onInitialize() {
     *mesh = std::make_unique<CuboidMesh>();
     scene_node_->attachObject(mesh->get());
   }
-  hide();
   changeLook();
 }
 
@@ -112,7 +111,7 @@ void CuboidMapDisplay::reset() {
 
 void CuboidMapDisplay::hide() {
   for (const auto* mesh : {&live_, &held_}) {
-    if (*mesh) (*mesh)->setVisible(false);
+    if (*mesh) (*mesh)->clear();
   }
 }
 

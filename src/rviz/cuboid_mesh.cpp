@@ -58,10 +58,9 @@ CuboidMesh::~CuboidMesh() {
 }
 
 void CuboidMesh::show(const CuboidFaces& faces) {
-  faces_ = &faces;
-  changed_ = true;
   const std::size_t count = faces.count();
-  setVisible(count > 0);
+  faces_ = count > 0 ? &faces : nullptr;
+  changed_ = true;
   if (count == 0) return;
   reserve(count);
   mRenderOp.vertexData->vertexCount = count * CuboidFaces::kCorners;
@@ -97,7 +96,7 @@ void CuboidMesh::reserve(std::size_t faces) {
 
 void CuboidMesh::_notifyCurrentCamera(Ogre::Camera* camera) {
   SimpleRenderable::_notifyCurrentCamera(camera);
-  if (faces_ == nullptr || faces_max_ == 0 || getParentSceneNode() == nullptr) return;
+  if (faces_ == nullptr || getParentSceneNode() == nullptr) return;
   Ogre::Vector3 eye = camera->getDerivedPosition();
   if (camera->getProjectionType() == Ogre::PT_ORTHOGRAPHIC) {
     eye -= kFar * camera->getDerivedDirection();  // its rays are parallel
@@ -109,6 +108,10 @@ void CuboidMesh::_notifyCurrentCamera(Ogre::Camera* camera) {
     ranges[side] = faces_->facing(static_cast<Side>(side), {eye.x, eye.y, eye.z});
   }
   writeIndices(ranges);
+}
+
+void CuboidMesh::_updateRenderQueue(Ogre::RenderQueue* queue) {
+  if (faces_ != nullptr) SimpleRenderable::_updateRenderQueue(queue);
 }
 
 void CuboidMesh::writeIndices(const Ranges& ranges) {

@@ -26,8 +26,11 @@ class CuboidMesh : public Ogre::SimpleRenderable {
 
   /// @param faces are kept for as long as they are shown.
   void show(const CuboidFaces& faces);
+  /// Shows none. Visibility would not do: rviz switches it on for all that a display has.
+  void clear() { faces_ = nullptr; }
 
   void _notifyCurrentCamera(Ogre::Camera* camera) override;
+  void _updateRenderQueue(Ogre::RenderQueue* queue) override;
 
   [[nodiscard]] Ogre::Real getBoundingRadius() const override { return radius_; }
   [[nodiscard]] Ogre::Real getSquaredViewDepth(const Ogre::Camera* camera) const override;
@@ -41,7 +44,7 @@ class CuboidMesh : public Ogre::SimpleRenderable {
   void useMaterial(bool translucent);
 
   Ogre::MaterialPtr material_;
-  const CuboidFaces* faces_ = nullptr;
+  const CuboidFaces* faces_ = nullptr;  ///< those that are shown: some, or none
   Ogre::HardwareVertexBufferSharedPtr vertices_;
   std::vector<std::uint32_t> indices_;  ///< of all faces, for as many as there is room
   std::size_t faces_max_ = 0;
