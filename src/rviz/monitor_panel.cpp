@@ -91,13 +91,13 @@ void MonitorPanel::addVerdict(QVBoxLayout& layout) {
 
 void MonitorPanel::addButtons(QVBoxLayout& layout) {
   reset_ = new QPushButton("Reset");
-  auto* clear = new QPushButton("Clear map");
-  auto* attach = new QPushButton("Attach...");
+  clear_ = new QPushButton("Clear map");
+  attach_ = new QPushButton("Attach...");
   detach_ = new QPushButton("Detach...");
   auto* row = new QGridLayout;
   row->addWidget(reset_, 0, 0);
-  row->addWidget(clear, 0, 1);
-  row->addWidget(attach, 1, 0);
+  row->addWidget(clear_, 0, 1);
+  row->addWidget(attach_, 1, 0);
   row->addWidget(detach_, 1, 1);
   layout.addLayout(row);
   answer_ = newLabel();
@@ -109,8 +109,8 @@ void MonitorPanel::addButtons(QVBoxLayout& layout) {
   name_row->addWidget(name_space_);
   layout.addLayout(name_row);
   connect(reset_, &QPushButton::clicked, this, &MonitorPanel::reset);
-  connect(clear, &QPushButton::clicked, this, &MonitorPanel::clearMap);
-  connect(attach, &QPushButton::clicked, this, &MonitorPanel::attach);
+  connect(clear_, &QPushButton::clicked, this, &MonitorPanel::clearMap);
+  connect(attach_, &QPushButton::clicked, this, &MonitorPanel::attach);
   connect(detach_, &QPushButton::clicked, this, &MonitorPanel::detach);
   connect(name_space_, &QLineEdit::editingFinished, this, &MonitorPanel::changeNamespace);
 }
@@ -145,9 +145,11 @@ void MonitorPanel::changeNamespace() {
 
 void MonitorPanel::subscribe() {
   heard_ = ros::WallTime();
-  status_subscriber_.shutdown();
+  status_subscriber_ = ros::Subscriber();
+  bool named = false;
   try {
     const std::string topic = absolute("monitor_status");
+    named = true;
     health_ = SensorHealth(ros::names::parentNamespace(topic));
     ros::NodeHandle node;
     status_subscriber_ =
@@ -163,6 +165,7 @@ void MonitorPanel::subscribe() {
   } catch (const ros::Exception& error) {
     answer_->setText(error.what());
   }
+  for (QPushButton* button : {reset_, clear_, attach_}) button->setEnabled(named);
 }
 
 void MonitorPanel::refresh() {
@@ -198,7 +201,8 @@ void MonitorPanel::showSilence() {
   const double silence = (ros::WallTime::now() - heard_).toSec();
   reason_->setText(heard_.isZero() ? QString("nothing heard")
                                    : QString("silent for %1 s").arg(silence, 0, 'f', 1));
-  detail_->setText(toQt("on " + status_subscriber_.getTopic()));
+  const std::string topic = status_subscriber_.getTopic();
+  detail_->setText(topic.empty() ? "the namespace is not valid" : toQt("on " + topic));
   advice_->setText("");
   for (const auto& [name, label] : values_) label->setText("?");
 }

@@ -47,13 +47,14 @@ class MonitorPanel : public rviz::Panel {
   void showRows(const std::vector<TextRow>& rows);
   void showSensors();
   void showButtons(bool heard);
-  /// A name in the monitor's namespace.
+  /// A name in the monitor's namespace. @throws ros::Exception where that is none; the buttons are
+  /// off then.
   [[nodiscard]] std::string absolute(const std::string& name) const;
 
   QLabel *level_, *reason_, *detail_, *advice_, *sensors_, *answer_;
   QGridLayout* grid_;
   std::map<std::string, QLabel*> values_;
-  QPushButton *reset_, *detach_;
+  QPushButton *reset_, *clear_, *attach_, *detach_;
   QLineEdit* name_space_;
   ServiceCaller* services_;
   QTimer timer_;
