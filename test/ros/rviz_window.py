@@ -33,7 +33,7 @@ class Window:
         os.close(start)
         with os.fdopen(end) as pipe:
             number = pipe.readline().strip()
-        # Edges without smoothing are exact, and software GL takes half the time.
+        # Edges without smoothing are exact, and software GL takes a third of the time.
         self.environment = dict(os.environ, DISPLAY=f":{number}", LIBGL_ALWAYS_SOFTWARE="1")
         self.rviz = subprocess.Popen(["rviz", "--disable-anti-aliasing", "-d", config, *arguments],
                                      env=self.environment, stdout=log, stderr=log)
