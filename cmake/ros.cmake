@@ -12,6 +12,7 @@ find_package(catkin REQUIRED COMPONENTS
   visualization_msgs)
 include(cmake/control_msgs.cmake)
 include(cmake/moveit_msgs.cmake)
+include(cmake/rviz.cmake)
 
 add_message_files(FILES
   AttachedObject.msg AttachedObjects.msg CloudScan.msg Cuboid.msg CuboidFlag.msg CuboidMap.msg Exemption.msg
@@ -31,7 +32,7 @@ catkin_package(
   DEPENDS EIGEN3)
 
 install(DIRECTORY launch config docs rviz DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
-install(FILES nodelets.xml README.md LICENSE CHANGELOG.rst
+install(FILES nodelets.xml rviz_plugins.xml README.md LICENSE CHANGELOG.rst
   DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 catkin_install_python(PROGRAMS scripts/demo_report scripts/draw_primitives scripts/draw_trials
   scripts/play_bag

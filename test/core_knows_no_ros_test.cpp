@@ -15,17 +15,17 @@ namespace fs = std::filesystem;
 const std::regex kForeignInclude(
     R"(^\s*#\s*include\s*[<"](ros|rosbag|rosgraph|nodelet|pluginlib|tf|tf2|tf2_\w+|pcl|pcl_\w+|)"
     R"(\w+_msgs|std_srvs|diagnostic_updater|dynamic_reconfigure|message_filters|)"
-    R"(nodelets|tccm_monitor/[A-Z]\w*\.h|simulation|experiments|tools)[/">.])");
+    R"(nodelets|rviz|tccm_monitor/[A-Z]\w*\.h|simulation|experiments|tools)[/">.])");
 
 bool isForeign(const std::string& line) { return std::regex_search(line + "/", kForeignInclude); }
 
-/// Checks every file below a folder but those in ros/ and nodelets/. @return how many.
+/// Checks every file below a folder but those in ros/, nodelets/ and rviz/. @return how many.
 int expectNoForeignInclude(const fs::path& folder) {
   int files = 0;
   for (auto entry = fs::recursive_directory_iterator(folder);
        entry != fs::recursive_directory_iterator(); ++entry) {
     const std::string name = entry->path().filename();
-    if (entry->is_directory() && (name == "ros" || name == "nodelets")) {
+    if (entry->is_directory() && (name == "ros" || name == "nodelets" || name == "rviz")) {
       entry.disable_recursion_pending();
       continue;
     }

@@ -1,0 +1,10 @@
+# rviz and Qt 5, for the display and the panel alone. A robot without a screen need not have them.
+find_package(rviz QUIET)
+find_package(Qt5 QUIET COMPONENTS Core Gui Widgets)
+if(rviz_FOUND AND Qt5_FOUND)
+  message(STATUS "rviz ${rviz_VERSION} and Qt ${Qt5_VERSION} found: the rviz plugins are built")
+  set(TCCM_MONITOR_RVIZ ON)
+else()
+  message(STATUS "rviz or Qt 5 not found: the rviz plugins are left out")
+  set(TCCM_MONITOR_RVIZ OFF)
+endif()

@@ -1,0 +1,157 @@
+#include "rviz/status_text.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <regex>
+#include <sstream>
+
+namespace tccm {
+namespace {
+
+using diagnostic_msgs::DiagnosticStatus;
+using tccm_monitor::MonitorStatus;
+
+const char* const kNone = "-";
+
+std::string number(double value, int digits, const char* unit) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%.*f %s", digits, value, unit);
+  return text.data();
+}
+
+std::string milliseconds(float seconds) {
+  return std::isfinite(seconds) ? number(1e3 * static_cast<double>(seconds), 1, "ms") : "?";
+}
+
+std::string contactText(const MonitorStatus& status) {
+  if (!std::isfinite(status.time_to_contact_s)) return kNone;
+  std::string text = status.contact_link + " in " + number(status.time_to_contact_s, 2, "s");
+  if (std::isfinite(status.distance_to_contact_m)) {
+    text += ", " + number(status.distance_to_contact_m, 3, "m");
+  }
+  return text;
+}
+
+/// Of the link that is the nearest to anything.
+std::string clearanceText(const MonitorStatus& status) {
+  const tccm_monitor::LinkStatus* nearest = nullptr;
+  for (const tccm_monitor::LinkStatus& link : status.links) {
+    if (link.ahead || !std::isfinite(link.clearance)) continue;
+    if (nearest == nullptr || link.clearance < nearest->clearance) nearest = &link;
+  }
+  if (nearest == nullptr) return "nothing near";
+  return number(static_cast<double>(nearest->clearance), 3, "m") + ", " + nearest->link;
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text.empty() ? kNone : text;
+}
+
+/// Text as Markdown has it, without links and marks.
+std::string plain(const std::string& markdown) {
+  static const std::regex link(R"(\[([^\]]*)\]\([^)]*\))");
+  std::string text = std::regex_replace(markdown, link, "$1");
+  text.erase(std::remove(text.begin(), text.end(), '`'), text.end());
+  return text;
+}
+
+/// The cells of a table's row, without blanks at their ends.
+std::vector<std::string> cellsOf(const std::string& row) {
+  std::vector<std::string> cells;
+  std::istringstream text(row);
+  std::string cell;
+  std::getline(text, cell, '|');  // before the first bar
+  while (std::getline(text, cell, '|')) {
+    const auto begin = cell.find_first_not_of(' '), end = cell.find_last_not_of(' ');
+    cells.push_back(begin == std::string::npos ? "" : cell.substr(begin, end - begin + 1));
+  }
+  return cells;
+}
+
+bool endsWith(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+}  // namespace
+
+std::string levelName(std::uint8_t level) {
+  switch (level) {
+    case MonitorStatus::OK:
+      return "OK";
+    case MonitorStatus::SLOW:
+      return "SLOW";
+    case MonitorStatus::STOP:
+      return "STOP";
+    case MonitorStatus::FAULT:
+      return "FAULT";
+    default:
+      return "UNKNOWN";
+  }
+}
+
+std::vector<TextRow> rowsOf(const MonitorStatus& status) {
+  return {{"Link", status.link.empty() ? kNone : status.link},
+          {"Contact ahead", contactText(status)},
+          {"Clearance", clearanceText(status)},
+          {"Speed scale", number(100.0 * status.speed_scale, 0, "%")},
+          {"Latency", milliseconds(status.ready_to_verdict_s) + ", from the first beam " +
+                          milliseconds(status.scan_to_verdict_s)},
+          {"Map", std::to_string(status.cuboids) + " cuboids, " + std::to_string(status.held) +
+                      " held, " + std::to_string(status.window_scans) + " scans"},
+          {"Holds", joined(status.attached_objects)},
+          {"Until reset", status.latched.empty() ? kNone : status.latched}};
+}
+
+SensorHealth::SensorHealth(const std::string& name_space)
+    : prefix_(name_space.substr(std::min<std::size_t>(1, name_space.size()))) {
+  if (!prefix_.empty()) prefix_ += "/";
+}
+
+void SensorHealth::take(const diagnostic_msgs::DiagnosticArray& message, double now_s) {
+  for (const DiagnosticStatus& status : message.status) {
+    const std::string node = status.name.substr(0, status.name.find(": "));
+    if (node.compare(0, prefix_.size(), prefix_) != 0) continue;
+    const bool of_sensor = endsWith(node, "tilt_scan_assembler") ||
+                           endsWith(node, "cloud_assembler") || endsWith(node, "tccm_mapper");
+    if (!of_sensor) continue;
+    heard_[status.name.substr(prefix_.size())] = {static_cast<std::uint8_t>(status.level),
+                                                  status.message, now_s};
+  }
+}
+
+std::vector<SensorHealth::Line> SensorHealth::lines(double now_s) const {
+  std::vector<Line> lines;
+  for (const auto& [name, heard] : heard_) {
+    const double silence = now_s - heard.at_s;
+    if (silence > kSilence_s) {
+      lines.push_back({DiagnosticStatus::STALE, name, "silent for " + number(silence, 0, "s")});
+    } else {
+      lines.push_back({heard.level, name, heard.text});
+    }
+  }
+  return lines;
+}
+
+Advice::Advice(const std::string& page) {
+  std::istringstream lines(page);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.compare(0, 3, "| `") != 0) continue;
+    const std::vector<std::string> cells = cellsOf(line);
+    if (cells.size() != 6) continue;
+    std::string& text = by_reason_[plain(cells[0]) + " " + cells[1]];
+    const std::string what = plain(cells[5]);
+    if (text.find(what) != std::string::npos) continue;
+    text += (text.empty() ? "" : "; or: ") + what;
+  }
+}
+
+std::string Advice::about(const std::string& reason, const std::string& level) const {
+  const auto found = by_reason_.find(reason + " " + level);
+  return found == by_reason_.end() ? "" : found->second;
+}
+
+}  // namespace tccm

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <tccm_monitor/MonitorStatus.h>
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tccm {
+
+/// A line of the panel.
+struct TextRow {
+  std::string name, text;
+};
+
+[[nodiscard]] std::string levelName(std::uint8_t level);
+
+/// What a status says besides level, reason and detail, one line a fact, always the same lines.
+[[nodiscard]] std::vector<TextRow> rowsOf(const tccm_monitor::MonitorStatus& status);
+
+/// The health of the sensors' nodelets in a namespace, as they tell it on /diagnostics.
+class SensorHealth {
+ public:
+  static constexpr double kSilence_s = 3.0;  ///< after which one is silent
+
+  /// @param name_space absolute. Forgets what was heard.
+  explicit SensorHealth(const std::string& name_space = "/");
+
+  /// @param now_s on a clock that never jumps [s].
+  void take(const diagnostic_msgs::DiagnosticArray& message, double now_s);
+
+  struct Line {
+    std::uint8_t level;  ///< of diagnostic_msgs/DiagnosticStatus
+    std::string name;    ///< the nodelet's, in the namespace
+    std::string text;
+  };
+  [[nodiscard]] std::vector<Line> lines(double now_s) const;
+
+ private:
+  struct Heard {
+    std::uint8_t level;
+    std::string text;
+    double at_s;
+  };
+  std::string prefix_;
+  std::map<std::string, Heard> heard_;
+};
+
+/// What to do about a reason, as docs/failures.md has it.
+class Advice {
+ public:
+  Advice() = default;
+  /// @param page the text of docs/failures.md.
+  explicit Advice(const std::string& page);
+
+  /// Empty where the page has nothing of it. @param level as it is called there, such as STOP.
+  [[nodiscard]] std::string about(const std::string& reason, const std::string& level) const;
+
+ private:
+  std::map<std::string, std::string> by_reason_;  ///< by reason and level
+};
+
+}  // namespace tccm
