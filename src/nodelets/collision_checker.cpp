@@ -331,6 +331,10 @@ void CollisionChecker::publish() {
   publishPermission();
   tccm_monitor::MonitorStatus status = statusOf(*verdict_, *checker_);
   status.header.frame_id = config_.fixed_frame;
+  if (verdict_->stop && stop_cause_.reason() != Reason::kClear) {
+    status.stopped_by = tccm::name(stop_cause_.reason());
+    status.stopped_by_detail = stop_cause_.detail();
+  }
   status.scan_to_verdict_s = static_cast<float>(latencies_.scan_to_verdict_s);
   status.transform_wait_s = static_cast<float>(latencies_.transform_wait_s);
   status.ready_to_verdict_s = static_cast<float>(latencies_.ready_to_verdict_s);

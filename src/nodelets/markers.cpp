@@ -332,6 +332,7 @@ Marker toMarker(const tccm_monitor::CuboidMap& map, CuboidLayer layer, int stati
 
 void StopCause::follow(const Verdict& verdict, const CuboidMap* map) {
   if (verdict.stop && (verdict.reason == reason_ || endsAStop(verdict.reason))) return;
+  if (verdict.reason == Reason::kMovingOut) return;  // the stop comes back, to be released
   reason_ = verdict.stop ? verdict.reason : Reason::kClear;
   boxes_.clear();
   if (!verdict.stop) return;

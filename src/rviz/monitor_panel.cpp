@@ -186,8 +186,8 @@ void MonitorPanel::showStatus() {
   level_->setStyleSheet(QString("background-color: %1; color: white; font-size: 30px; "
                                 "font-weight: bold;")
                             .arg(colorOf(status_.level)));
-  reason_->setText(toQt(status_.reason));
-  detail_->setText(toQt(status_.detail));
+  reason_->setText(toQt(reasonOf(status_)));
+  detail_->setText(toQt(detailOf(status_)));
   const std::string advice = about_.about(status_.reason, level);
   advice_->setText(advice.empty() || advice == "nothing" ? "" : "To do: " + toQt(advice));
   showRows(rowsOf(status_));

@@ -93,6 +93,15 @@ std::string levelName(std::uint8_t level) {
   }
 }
 
+std::string reasonOf(const MonitorStatus& status) {
+  if (status.stopped_by.empty() || status.stopped_by == status.reason) return status.reason;
+  return status.stopped_by + ", now " + status.reason;
+}
+
+std::string detailOf(const MonitorStatus& status) {
+  return status.stopped_by.empty() ? status.detail : status.stopped_by_detail;
+}
+
 std::vector<TextRow> rowsOf(const MonitorStatus& status) {
   return {{"Link", status.link.empty() ? kNone : status.link},
           {"Contact ahead", contactText(status)},

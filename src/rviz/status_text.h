@@ -18,6 +18,11 @@ struct TextRow {
 
 [[nodiscard]] std::string levelName(std::uint8_t level);
 
+/// Why it is as it is: of a stop what brought it about and, where that is over, what holds it.
+[[nodiscard]] std::string reasonOf(const tccm_monitor::MonitorStatus& status);
+/// The detail of what brought a stop about, else of the reason.
+[[nodiscard]] std::string detailOf(const tccm_monitor::MonitorStatus& status);
+
 /// What a status says besides level, reason and detail, one line a fact, always the same lines.
 [[nodiscard]] std::vector<TextRow> rowsOf(const tccm_monitor::MonitorStatus& status);
 

@@ -378,6 +378,10 @@ TEST_F(RobotMarkerTest, WhatBroughtAStopAboutIsShownUntilItEnds) {
   EXPECT_NE(text.find("\nnow RELEASING\n"), std::string::npos) << text;
   EXPECT_GE(draw(after, "cause of the stop").at(0).points.size(), touched);
 
+  slow.reason = Reason::kMovingOut;
+  EXPECT_TRUE(draw(slow, "cause of the stop").empty());
+  EXPECT_EQ(draw(after, "status").at(0).text, text) << "to move out of it is no end of it";
+
   after.level = Level::kOk;
   after.reason = Reason::kClear;
   after.stop = false;

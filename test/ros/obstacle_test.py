@@ -69,6 +69,16 @@ class ObstacleTest(unittest.TestCase):
                                     if getattr(link, self.flag)])
         self.assertGreater(len(status.flagged), 0)
 
+    def test_what_brought_the_stop_about_is_told_until_it_ends(self):
+        release = self.release or float("inf")
+        until = [status for status in self.since_rise if status.header.stamp.to_sec() < release]
+        after = [status for status in until if status.reason in ("RELEASING", "AWAITING_RESET")]
+        self.assertGreater(len(after), 0)
+        causes = {status.stopped_by for status in after}
+        self.assertLessEqual(causes, {self.flag.upper(), self.flag.upper() + "_AHEAD"})
+        self.assertTrue(all(status.stopped_by_detail for status in after))
+        self.assertEqual({status.stopped_by for status in until if not status.stop}, {""})
+
     def test_a_far_contact_slows_the_robot_down_and_a_near_one_stops_it(self):
         # By their order: one of the same stamp may have been said before.
         slow = list(itertools.takewhile(lambda status: not status.stop, self.since_rise))

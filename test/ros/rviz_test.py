@@ -172,8 +172,7 @@ class RvizTest(unittest.TestCase):
     def test_what_is_asked_for_is_attached(self):
         self.window.wait_for_color(AWAITS_RESET, 1000)
         self.window.click_button(0, 1)
-        self.window.press_return("Attach an object")
-        wait_for(lambda: self.attached, PATIENCE)
+        self.window.press_return("Attach an object", lambda: self.attached)
         request = self.attached[0]
         self.assertEqual((request.name, request.link), ("object", "right_palm_link"))
         self.assertEqual((request.primitive.shape, request.primitive.size.x), ("box", 0.1))

@@ -4,6 +4,7 @@ import os
 import shutil
 import signal
 import subprocess
+import time
 
 import numpy
 
@@ -82,11 +83,16 @@ class Window:
         # Beside the word in the middle; buttons have some pixels between them.
         self.click(x + width // 2 + column * (width + 6), y + height // 4 + row * (height + 6))
 
-    def press_return(self, title):
-        """In a window of that title, once it is there."""
-        subprocess.run(["xdotool", "search", "--sync", "--onlyvisible", "--name", title,
-                        "windowfocus", "key", "--window", "%1", "Return"],
-                       env=self.environment, check=True, timeout=PATIENCE)
+    def press_return(self, title, is_done):
+        """In a window of that title, until that is done: one that has just come takes no focus."""
+        def done():
+            """Return is taken."""
+            subprocess.run(["xdotool", "search", "--onlyvisible", "--name", title,
+                            "windowfocus", "key", "--window", "%1", "Return"],
+                           env=self.environment, check=False, timeout=PATIENCE, capture_output=True)
+            time.sleep(0.3)
+            return is_done()
+        wait_for(done, PATIENCE)
 
     def view(self):
         """@return where the scene is in the picture."""

@@ -47,6 +47,19 @@ TEST(StatusTextTest, EveryLevelHasItsName) {
   EXPECT_EQ(levelName(77), "UNKNOWN");
 }
 
+TEST(StatusTextTest, WhatBroughtAStopAboutComesFirst) {
+  MonitorStatus status;
+  status.reason = "CLEAR";
+  EXPECT_EQ(reasonOf(status), "CLEAR");
+  status.reason = status.stopped_by = "COLLISION_AHEAD";
+  status.detail = status.stopped_by_detail = "hand touches the map";
+  EXPECT_EQ(reasonOf(status), "COLLISION_AHEAD");
+  status.reason = "RELEASING";
+  status.detail = "clear, but not for long enough";
+  EXPECT_EQ(reasonOf(status), "COLLISION_AHEAD, now RELEASING");
+  EXPECT_EQ(detailOf(status), "hand touches the map");
+}
+
 TEST(StatusTextTest, TheClearanceIsThatOfTheNearestLinkWhereItIs) {
   MonitorStatus status;
   status.links = {link("far", 0.3F), link("near", 0.123F), link("nowhere", INFINITY),
