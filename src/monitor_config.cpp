@@ -127,7 +127,11 @@ template <typename Config>
 void loadAll(const YAML::Node& node, const std::string& owner, Config& config) {
   const ParameterTable::Names unknown = load(node, owner, config);
   if (unknown.empty()) return;
-  throw ConfigError(owner + "/" + unknown.front() + ": there is no such parameter");
+  std::string line;
+  for (const auto& entry : node) {
+    if (entry.first.as<std::string>() == unknown.front()) line = lineText(entry.first);
+  }
+  throw ConfigError(line + owner + "/" + unknown.front() + ": there is no such parameter");
 }
 
 /// Takes one of a sensor's sections out of it.
@@ -179,10 +183,8 @@ void requireOneFrame(const MonitorConfig& config) {
   }
 }
 
-}  // namespace
-
-MonitorConfig readMonitorConfig(const std::string& path) {
-  const YAML::Node file = path.empty() ? YAML::Node() : loadYamlFile(path);
+/// @param path for errors.
+MonitorConfig configFrom(const YAML::Node& file, const std::string& path) {
   MonitorConfig config;
   if (file && !file.IsNull() && !file.IsMap()) {
     throw ConfigError(path + ": its parameters are no map of keys and values");
@@ -205,7 +207,7 @@ MonitorConfig readMonitorConfig(const std::string& path) {
       throw ConfigError(path + ": with `sensors` each has '" + name + "' in its own section");
     }
     if (std::find(sections.begin(), sections.end(), name) != sections.end()) continue;
-    throw ConfigError(path + ": '" + name +
+    throw ConfigError(path + ": " + lineText(entry.first) + "'" + name +
                       "' names no nodelet and no sensor, nor is it monitored_robot or topics");
   }
   if (config.named_sensors.empty() && !differencesFromDefaults(config.cloud_assembler).empty()) {
@@ -218,6 +220,18 @@ MonitorConfig readMonitorConfig(const std::string& path) {
   stop_duration_s = std::max(stop_duration_s, config.gate.stopDurationMax());
   config.checker.checker.inputs.fixed_frame = config.checker.fixed_frame;
   return config;
+}
+
+}  // namespace
+
+MonitorConfig readMonitorConfig(const std::string& path) {
+  const YAML::Node file = path.empty() ? YAML::Node() : loadYamlFile(path);
+  try {
+    return configFrom(file, path);
+  } catch (const ConfigError& error) {
+    const std::string what = error.what();
+    throw ConfigError(what.rfind("line ", 0) == 0 ? path + ": " + what : what);
+  }
 }
 
 }  // namespace tccm

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <sstream>
 
+#include "config/yaml_file.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
@@ -92,7 +93,8 @@ ParameterTable::Names ParameterTable::load(const YAML::Node& node, const std::st
   if (!node || node.IsNull()) return unknown;
   if (!node.IsMap()) throw ConfigError(owner + ": its parameters are no map of keys and values");
   const auto refuse = [&](const std::string& key, const YAML::Node& value, const char* type) {
-    throw ConfigError(owner + "/" + key + ": " + flowText(value) + " is not " + type);
+    throw ConfigError(lineText(value) + owner + "/" + key + ": " + flowText(value) + " is not " +
+                      type);
   };
   for (const Row& row : rows_) {
     const YAML::Node value = node[row.key];
@@ -101,6 +103,11 @@ ParameterTable::Names ParameterTable::load(const YAML::Node& node, const std::st
       std::visit(Take{value}, row.member);
     } catch (const YAML::Exception&) {
       refuse(row.key, value, kTypeNames[row.member.index()]);
+    }
+    try {
+      std::visit(RequireRange{row}, row.member);
+    } catch (const ConfigError& error) {
+      throw ConfigError(lineText(value) + owner + "/" + error.what());
     }
   }
   for (const List& list : lists_) {
@@ -112,7 +119,8 @@ ParameterTable::Names ParameterTable::load(const YAML::Node& node, const std::st
       const std::string entry = owner + "/" + list.key + "[" + std::to_string(i) + "]";
       const Names slips = tables[i].load(value[i], entry);
       if (!slips.empty()) {
-        throw ConfigError(entry + "/" + slips.front() + ": there is no such parameter");
+        throw ConfigError(lineText(value[i]) + entry + "/" + slips.front() +
+                          ": there is no such parameter");
       }
     }
   }

@@ -163,4 +163,9 @@ YAML::Node loadYamlFile(const std::string& path) {
   return YAML::Load(text);
 }
 
+std::string lineText(const YAML::Node& node) {
+  const YAML::Mark mark = node.Mark();
+  return mark.is_null() ? "" : "line " + std::to_string(mark.line + 1) + ": ";
+}
+
 }  // namespace tccm

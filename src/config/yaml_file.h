@@ -15,4 +15,7 @@ namespace tccm {
 /// The same of a text. @param name stands for it in errors. @throws ConfigError
 void requireUnambiguous(const std::string& text, const std::string& name);
 
+/// "line 3: ", for errors; empty of what stands in no text, such as parameters of the server.
+[[nodiscard]] std::string lineText(const YAML::Node& node);
+
 }  // namespace tccm

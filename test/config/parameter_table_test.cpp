@@ -50,17 +50,33 @@ TEST(ParameterTableTest, WhatIsNotSetKeepsItsDefault) {
 }
 
 TEST(ParameterTableTest, AWrongTypeIsRefusedNamingNodeletKeyAndValue) {
-  EXPECT_EQ(errorOf([] { readOne("key: soon", 0.5); }), "a_nodelet/key: soon is not a number");
-  EXPECT_EQ(errorOf([] { readOne("key: 1.5", 0); }), "a_nodelet/key: 1.5 is not a whole number");
-  EXPECT_EQ(errorOf([] { readOne("key: [1, 2]", 0.5); }), "a_nodelet/key: [1, 2] is not a number");
+  EXPECT_EQ(errorOf([] { readOne("key: soon", 0.5); }),
+            "line 1: a_nodelet/key: soon is not a number");
+  EXPECT_EQ(errorOf([] { readOne("key: 1.5", 0); }),
+            "line 1: a_nodelet/key: 1.5 is not a whole number");
+  EXPECT_EQ(errorOf([] { readOne("key: [1, 2]", 0.5); }),
+            "line 1: a_nodelet/key: [1, 2] is not a number");
   EXPECT_EQ(errorOf([] { readOne("key: maybe", false); }),
-            "a_nodelet/key: maybe is not true or false");
+            "line 1: a_nodelet/key: maybe is not true or false");
   EXPECT_EQ(errorOf([] { readOne("key: hand", Names()); }),
-            "a_nodelet/key: hand is not a list of texts");
+            "line 1: a_nodelet/key: hand is not a list of texts");
   EXPECT_EQ(errorOf([] { readOne("key: {a: 1}", std::string()); }),
-            "a_nodelet/key: {a: 1} is not a text");
+            "line 1: a_nodelet/key: {a: 1} is not a text");
   EXPECT_EQ(errorOf([] { readOne("key: -1", std::size_t{0}); }),
-            "a_nodelet/key: -1 is not a whole number of at least 0");
+            "line 1: a_nodelet/key: -1 is not a whole number of at least 0");
+}
+
+TEST(ParameterTableTest, AValueOutOfItsRangeIsRefusedWithItsLine) {
+  double value = 0.5;
+  ParameterTable table;
+  table.add("key", &value, "m", {0.0, 1.0}, "what it means");
+  const std::string what = "a_nodelet/key: 7 is outside the allowed range [0, 1]";
+  EXPECT_EQ(
+      errorOf([&] { static_cast<void>(table.load(YAML::Load("other: 1\nkey: 7"), "a_nodelet")); }),
+      "line 2: " + what);
+  YAML::Node of_server;
+  of_server["key"] = 7.0;
+  EXPECT_EQ(errorOf([&] { static_cast<void>(table.load(of_server, "a_nodelet")); }), what);
 }
 
 TEST(ParameterTableTest, AKeyWithoutAValueIsRefused) {
@@ -87,7 +103,7 @@ TEST(ParameterTableTest, ANumberThatMayBeAbsentIsAbsentWhereItIsNotSet) {
   EXPECT_EQ(readOne("key: 0", std::optional<double>()), 0.0);
   EXPECT_EQ(readOne("other: 1", std::optional<double>()), std::nullopt);
   EXPECT_EQ(errorOf([] { readOne("key: wide", std::optional<double>()); }),
-            "a_nodelet/key: wide is not a number");
+            "line 1: a_nodelet/key: wide is not a number");
 }
 
 TEST(ParameterTableTest, MapsAreRead) {
@@ -96,13 +112,13 @@ TEST(ParameterTableTest, MapsAreRead) {
   EXPECT_EQ(readOne("key: {torso: 0.1, lid: 2}", Numbers()), (Numbers{{"torso", 0.1}, {"lid", 2}}));
   EXPECT_TRUE(readOne("key: {}", Numbers{{"torso", 0.1}}).empty()) << "set, and empty";
   EXPECT_EQ(errorOf([] { readOne("key: {torso: up}", Numbers()); }),
-            "a_nodelet/key: {torso: up} is not a map of names and numbers");
+            "line 1: a_nodelet/key: {torso: up} is not a map of names and numbers");
   EXPECT_EQ(errorOf([] { readOne("key: [torso, 1]", Numbers()); }),
-            "a_nodelet/key: [torso, 1] is not a map of names and numbers");
+            "line 1: a_nodelet/key: [torso, 1] is not a map of names and numbers");
   EXPECT_EQ(readOne("key: {arm: ['upper_*', lower], none: []}", Lists()),
             (Lists{{"arm", {"upper_*", "lower"}}, {"none", {}}}));
   EXPECT_EQ(errorOf([] { readOne("key: {arm: upper}", Lists()); }),
-            "a_nodelet/key: {arm: upper} is not a map of names and lists of texts");
+            "line 1: a_nodelet/key: {arm: upper} is not a map of names and lists of texts");
 }
 
 struct Entry {
@@ -132,15 +148,15 @@ TEST(ParameterTableTest, TheEntriesOfAListAreDescribedOneByOne) {
 }
 
 TEST(ParameterTableTest, WhatIsNoListOfEntriesIsRefusedNamingTheEntry) {
-  EXPECT_EQ(errorOf([] { entriesOf("key: 3"); }), "a_nodelet/key: 3 is not a list of maps");
+  EXPECT_EQ(errorOf([] { entriesOf("key: 3"); }), "line 1: a_nodelet/key: 3 is not a list of maps");
   EXPECT_EQ(errorOf([] { entriesOf("key: {links: [a]}"); }),
-            "a_nodelet/key: {links: [a]} is not a list of maps");
+            "line 1: a_nodelet/key: {links: [a]} is not a list of maps");
   EXPECT_NE(errorOf([] { entriesOf("key: [{padding_m: 0.1}, 2]"); }).find("a_nodelet/key[1]"),
             std::string::npos);
   EXPECT_EQ(errorOf([] { entriesOf("key: [{}, {padding_m: big}]"); }),
-            "a_nodelet/key[1]/padding_m: big is not a number");
+            "line 1: a_nodelet/key[1]/padding_m: big is not a number");
   EXPECT_EQ(errorOf([] { entriesOf("key: [{colour: red}]"); }),
-            "a_nodelet/key[0]/colour: there is no such parameter");
+            "line 1: a_nodelet/key[0]/colour: there is no such parameter");
 }
 
 TEST(ParameterTableTest, AValueOutOfItsRangeIsRefusedNamingKeyValueAndRange) {
@@ -183,8 +199,10 @@ TEST(ParameterTableTest, ANumberInAMapHasToBeFinite) {
     std::map<std::string, double> values;
     ParameterTable table;
     table.add("fixed_joints", &values, "positions");
-    table.load(YAML::Load(std::string("fixed_joints: {elbow: ") + bad + ", wrist: 0.5}"), "robot");
-    const std::string error = errorOf([&table] { table.requireRanges(); });
+    const std::string error = errorOf([&] {
+      table.load(YAML::Load(std::string("fixed_joints: {elbow: ") + bad + ", wrist: 0.5}"),
+                 "robot");
+    });
     EXPECT_NE(error.find("fixed_joints/elbow"), std::string::npos) << error;
   }
 }
