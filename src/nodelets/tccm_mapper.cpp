@@ -147,7 +147,8 @@ class TccmMapper : public DiagnosedNodelet {
     return makeMap();
   }
 
-  std::shared_ptr<CuboidMap> makeMap() {
+  /// As MessagePool::grow().
+  [[gnu::noinline]] std::shared_ptr<CuboidMap> makeMap() {
     maps_.push_back(std::make_shared<CuboidMap>());
     mapper_->reserve(*maps_.back());
     return maps_.back();

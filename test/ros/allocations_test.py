@@ -25,7 +25,7 @@ OURS = "libtccm_monitor_"
 # more than the permission does is published beside the way, and a pool grows when more are under way
 # at once than ever before.
 APART = re.compile("|".join((
-    "MessagePool<.*::take", "takeMap",
+    "MessagePool<.*::grow", "makeMap",
     "ros::serialization", "serializeMessage", "::deserialize",
     "ros::Publisher::publish", "ros::Publication", "ros::MessageEvent", "libtf2",
     "diagnostic_updater", "publishMarkers", "publishPictures", "statusOf", "ros::console")))
