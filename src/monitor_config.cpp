@@ -183,6 +183,19 @@ void requireOneFrame(const MonitorConfig& config) {
   }
 }
 
+/// @param section a key at the top of a file. @throws ConfigError where nothing reads it.
+void requireKnown(const YAML::Node& section, const ParameterTable::Names& known,
+                  bool sensors_are_named) {
+  const auto name = section.as<std::string>();
+  if (sensors_are_named && isOfASensor(name)) {
+    throw ConfigError(lineText(section) + "with `sensors` each has '" + name +
+                      "' in its own section");
+  }
+  if (std::find(known.begin(), known.end(), name) != known.end()) return;
+  throw ConfigError(lineText(section) + "'" + name +
+                    "' names no nodelet and no sensor, nor is it monitored_robot or topics");
+}
+
 /// @param path for errors.
 MonitorConfig configFrom(const YAML::Node& file, const std::string& path) {
   MonitorConfig config;
@@ -201,15 +214,7 @@ MonitorConfig configFrom(const YAML::Node& file, const std::string& path) {
     config.named_sensors.push_back(readSensor(file[sensor.name], sensor.name));
     sections.push_back(sensor.name);
   }
-  for (const auto& entry : file) {
-    const auto name = entry.first.as<std::string>();
-    if (!config.named_sensors.empty() && isOfASensor(name)) {
-      throw ConfigError(path + ": with `sensors` each has '" + name + "' in its own section");
-    }
-    if (std::find(sections.begin(), sections.end(), name) != sections.end()) continue;
-    throw ConfigError(path + ": " + lineText(entry.first) + "'" + name +
-                      "' names no nodelet and no sensor, nor is it monitored_robot or topics");
-  }
+  for (const auto& entry : file) requireKnown(entry.first, sections, !config.named_sensors.empty());
   if (config.named_sensors.empty() && !differencesFromDefaults(config.cloud_assembler).empty()) {
     throw ConfigError(path +
                       ": cloud_assembler: it is no sensor's; name the camera or lidar in "

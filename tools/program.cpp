@@ -55,7 +55,7 @@ std::string formatted(const char* format, ...) {
 
 std::string readText(const std::string& path, const std::string& what) {
   std::ifstream file(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   if (!file) throw InputError("cannot read " + what + ": " + path);
   if (text.empty()) throw InputError(what + " is empty: " + path);
   return text;
@@ -107,6 +107,16 @@ RobotResources resourcesIn(const std::string& package_path) {
   resources.read = resourceReader(package_path);
   resources.fit_cache_folder = fitCacheFolder();
   return resources;
+}
+
+ScratchFile::ScratchFile(const std::string& ending)
+    : path_((std::filesystem::temp_directory_path() /
+             formatted("tccm_monitor_%d.%s", static_cast<int>(getpid()), ending.c_str()))
+                .string()) {}
+
+ScratchFile::~ScratchFile() {
+  std::error_code ignored;
+  std::filesystem::remove(path_, ignored);
 }
 
 }  // namespace tccm

@@ -139,7 +139,11 @@ std::string ParameterTable::differencesFrom(const ParameterTable& other) const {
   std::string text;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const std::string now = textOf(rows_[i].member), then = textOf(other.rows_[i].member);
-    if (now != then) text += "\n  " + rows_[i].key + ": " + now + "  # " + then;
+    if (now == then) continue;
+    for (const char* const part :
+         {"\n  ", rows_[i].key.c_str(), ": ", now.c_str(), "  # ", then.c_str()}) {
+      text += part;
+    }
   }
   for (const List& list : lists_) {
     if (list.size() == 0) continue;

@@ -24,9 +24,9 @@
 
 #include "nodelets/attachments.h"
 #include "nodelets/diagnosed_nodelet.h"
-#include "nodelets/markers.h"
 #include "nodelets/scan_tracer.h"
 #include "nodelets/sensor_feed.h"
+#include "nodelets/stop_cause.h"
 #include "nodelets/tuning.h"
 #include "ros/transform_history.h"
 

@@ -191,11 +191,6 @@ std::string inLines(const std::string& text, std::size_t width) {
   return lines;
 }
 
-/// Nothing is found, and yet it stops.
-bool endsAStop(Reason reason) {
-  return reason == Reason::kReleasing || reason == Reason::kAwaitingReset;
-}
-
 /// Above the robot, wherever it is.
 void addText(const Verdict& verdict, const StopCause& cause, const RobotModel& model,
              MarkerList& markers) {
@@ -223,8 +218,7 @@ void addBody(const std::string& name, const PoseFindings& findings, const PoseCh
 
 /// @param boxes with their col as in Cuboid.msg. @param over by how much they are larger, so that
 /// they show among the map's own [m].
-void addBoxes(const std::string& name,
-              const std::vector<std::pair<UprightBox, std::uint8_t>>& boxes, double over,
+void addBoxes(const std::string& name, const std::vector<FlaggedBox>& boxes, double over,
               MarkerList& markers) {
   if (boxes.empty()) return;
   Marker& marker =
@@ -234,15 +228,6 @@ void addBoxes(const std::string& name,
     box.max().array() += over;
     addCuboid(box, col == tccm_monitor::Cuboid::COLLISION ? magenta(1.0F) : blue(1.0F), marker);
   }
-}
-
-std::vector<std::pair<UprightBox, std::uint8_t>> flaggedBoxes(const Verdict& verdict,
-                                                              const CuboidMap& map) {
-  std::vector<std::pair<UprightBox, std::uint8_t>> boxes;
-  for (const auto& [cuboid, col] : flaggedBy(verdict)) {
-    boxes.emplace_back(map.box(map.cuboids[cuboid]), col);
-  }
-  return boxes;
 }
 
 void addFirstContact(const WayContact& contact, const CuboidMap& map, MarkerList& markers) {
@@ -328,25 +313,6 @@ Marker toMarker(const tccm_monitor::CuboidMap& map, CuboidLayer layer, int stati
   }
   marker.action = marker.points.empty() ? Marker::DELETE : Marker::ADD;
   return marker;
-}
-
-void StopCause::follow(const Verdict& verdict, const CuboidMap* map) {
-  if (verdict.stop && (verdict.reason == reason_ || endsAStop(verdict.reason))) return;
-  if (verdict.reason == Reason::kMovingOut) return;  // the stop comes back, to be released
-  reason_ = verdict.stop ? verdict.reason : Reason::kClear;
-  boxes_.clear();
-  if (!verdict.stop) return;
-  detail_ = verdict.detail;
-  if (!verdict.placed || map == nullptr) return;
-  boxes_ = flaggedBoxes(verdict, *map);
-  if (verdict.first_contact) {
-    const Cuboid& touched = map->cuboids[verdict.first_contact->contact.cuboid];
-    boxes_.emplace_back(map->box(touched), std::uint8_t{tccm_monitor::Cuboid::COLLISION});
-  }
-}
-
-bool StopCause::outlives(const Verdict& verdict) const {
-  return reason_ != Reason::kClear && endsAStop(verdict.reason);
 }
 
 MarkerArray toMarkers(const Verdict& verdict, const StopCause& cause, const Checker& checker,

@@ -6,10 +6,9 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "check/checker_config.h"
+#include "nodelets/stop_cause.h"
 
 namespace tccm {
 
@@ -26,28 +25,6 @@ enum class CuboidLayer {
 /// @param static_windows dyn from which on one is static.
 [[nodiscard]] Marker toMarker(const tccm_monitor::CuboidMap& map, CuboidLayer layer,
                               int static_windows);
-
-/// What brought a stop about, kept while the stop lasts: people see nothing that is over within a
-/// few hundredths of a second.
-class StopCause {
- public:
-  /// To be told each verdict. @param map that it rests on; null where there is none.
-  void follow(const Verdict& verdict, const CuboidMap* map);
-
-  /// Whether the stop lasts although nothing is found any more.
-  [[nodiscard]] bool outlives(const Verdict& verdict) const;
-  [[nodiscard]] Reason reason() const { return reason_; }
-  [[nodiscard]] const std::string& detail() const { return detail_; }
-  /// What was touched or hid a link, and its col as in Cuboid.msg.
-  [[nodiscard]] const std::vector<std::pair<UprightBox, std::uint8_t>>& boxes() const {
-    return boxes_;
-  }
-
- private:
-  Reason reason_ = Reason::kClear;  ///< no stop lasts
-  std::string detail_;
-  std::vector<std::pair<UprightBox, std::uint8_t>> boxes_;
-};
 
 /// The robot as it was checked, and what was found, each in a namespace of its own: those of
 /// robot_markers in docs/interfaces.md. @param cause of the stop, where one lasts.

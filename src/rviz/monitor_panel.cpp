@@ -1,6 +1,5 @@
 #include "rviz/monitor_panel.h"
 
-#include <ros/package.h>
 #include <tccm_monitor/DetachObject.h>
 
 #include <QGridLayout>
@@ -12,8 +11,6 @@
 #include <QVBoxLayout>
 #include <algorithm>
 #include <array>
-#include <fstream>
-#include <iterator>
 #include <pluginlib/class_list_macros.hpp>
 
 #include "rviz/attach_dialog.h"
@@ -51,11 +48,6 @@ QLabel* newLabel() {
   label->setTextFormat(Qt::PlainText);
   label->setTextInteractionFlags(Qt::TextSelectableByMouse);
   return label;
-}
-
-std::string readFile(const std::string& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 }  // namespace
@@ -116,7 +108,7 @@ void MonitorPanel::addButtons(QVBoxLayout& layout) {
 }
 
 void MonitorPanel::onInitialize() {
-  about_ = Advice(readFile(ros::package::getPath("tccm_monitor") + "/docs/failures.md"));
+  about_ = Advice::ofThePage();
   subscribe();
   refresh();
   timer_.start(kPeriod_ms);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "ros/advice.h"
 #include "rviz/status_text.h"
 
 class QGridLayout;

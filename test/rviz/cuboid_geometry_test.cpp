@@ -28,6 +28,13 @@ class CuboidGeometryTest : public ::testing::Test {
     test::addCuboid(map_, cell(x, y), bottom, top);
   }
   /// The corners of all faces are in corners_ then.
+  /// Cuboids in most cells of a small area.
+  void buildOfMany(test::Random& random) {
+    Grid::Config grid;
+    grid.size_x_m = grid.size_y_m = 0.3;
+    map_ = test::randomMap(random, grid, 0.7);
+    build();
+  }
   void build() {
     geometry_.build(map_, look_, flagged_);
     corners_.clear();
@@ -120,10 +127,7 @@ TEST_F(CuboidGeometryTest, HeldCuboidsAreALayerOfTheirOwnAndHideNoLiveOnes) {
 
 TEST_F(CuboidGeometryTest, WhatAllFacesEncloseIsTheCuboidsVolume) {
   test::Random random(7);
-  Grid::Config grid;
-  grid.size_x_m = grid.size_y_m = 0.3;
-  map_ = test::randomMap(random, grid, 0.7);
-  build();
+  buildOfMany(random);
   double volume = 0.0, expected = 0.0;
   for (std::size_t i = 0; i < corners_.size(); i += CuboidFaces::kCorners) {
     const auto corner = [&](std::size_t k) { return place(corners_[i + k]); };
@@ -136,10 +140,7 @@ TEST_F(CuboidGeometryTest, WhatAllFacesEncloseIsTheCuboidsVolume) {
 
 TEST_F(CuboidGeometryTest, FromAPointThoseFacesAreDrawnThatDoNotShowItTheirBacks) {
   test::Random random(8);
-  Grid::Config grid;
-  grid.size_x_m = grid.size_y_m = 0.3;
-  map_ = test::randomMap(random, grid, 0.7);
-  build();
+  buildOfMany(random);
   const CuboidFaces& faces = geometry_.live();
   for (int k = 0; k < 20; ++k) {
     const Eigen::Vector3f eye(static_cast<float>(random.uniform(-0.2, 0.5)),

@@ -3,8 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <string>
 
@@ -105,22 +103,6 @@ TEST(SensorHealthTest, WhatWasHeardLongAgoIsSilent) {
   EXPECT_EQ(health.lines(2.0).front().level, DiagnosticStatus::OK);
   EXPECT_EQ(health.lines(4.0).front().level, DiagnosticStatus::STALE);
   EXPECT_EQ(health.lines(4.0).front().text, "silent for 4 s");
-}
-
-TEST(AdviceTest, ItIsThatOfThePageForReasonAndLevel) {
-  std::ifstream file(std::string(TCCM_SOURCE_DIR) + "/docs/failures.md");
-  const Advice advice(std::string{std::istreambuf_iterator<char>(file), {}});
-  EXPECT_EQ(advice.about("INIT", "STOP").substr(0, 4), "wait");
-  EXPECT_NE(advice.about("KEEP_OUT_AHEAD", "STOP"), advice.about("KEEP_OUT_AHEAD", "SLOW"));
-  EXPECT_EQ(advice.about("COLLISION", "OK"), "");
-  const std::string collision = advice.about("COLLISION", "STOP");
-  EXPECT_NE(collision.find("move out of the contact"), std::string::npos) << collision;
-  EXPECT_EQ(collision.find_first_of("[]`"), std::string::npos) << collision;
-}
-
-TEST(AdviceTest, WithoutThePageThereIsNone) {
-  EXPECT_EQ(Advice().about("COLLISION", "STOP"), "");
-  EXPECT_EQ(Advice("| `COLLISION` | STOP |\n|").about("COLLISION", "STOP"), "");
 }
 
 }  // namespace

@@ -117,6 +117,10 @@ class SetupTest(unittest.TestCase):
         self.assertEqual(self.set_up(self.sound, "--check", out="none.yaml"), [])
         self.assertFalse((self.folder / "none.yaml").exists())
 
+    def test_of_too_short_a_recording_it_does_not_say_that_nothing_is_wrong(self):
+        lines = self.set_up(self.record("short.bag", seconds=2), "--check", status=1)
+        self.assertIn("listen for longer", lines[0])
+
     def assert_found(self, bag, *words, **how):
         lines = self.set_up(bag, "--check", status=1, **how)
         self.assertEqual(len(lines), 1, lines)

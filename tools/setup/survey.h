@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "program.h"
 #include "tccm_monitor/pose.h"
+#include "tools/program.h"
 
 namespace tccm {
 

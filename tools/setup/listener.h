@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "program.h"
+#include "tools/program.h"
 
 namespace tccm {
 

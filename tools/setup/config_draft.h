@@ -34,6 +34,9 @@ class ConfigDraft {
   std::vector<Section> sections_;  ///< in the order of their names
 };
 
+/// What stands between the slashes, where anything does.
+[[nodiscard]] std::vector<std::string> partsOf(const std::string& path);
+
 /// `[a, b]`.
 [[nodiscard]] std::string yamlList(const std::vector<std::string>& names);
 

@@ -1,10 +1,7 @@
-#include "setup_draft.h"
-
-#include <unistd.h>
+#include "draft.h"
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <random>
 #include <set>
 
@@ -24,20 +21,6 @@ constexpr double kVisibleMin = 0.6;    // of a silhouette: a link that sensors s
 constexpr std::size_t kArmJoints = 3;  // a link that so many joints move is one of an arm
 constexpr std::size_t kSensorsMax = 4;
 constexpr double kHeadroom = 1.3;  // limits are so much above what was heard
-
-std::vector<std::string> partsOf(const std::string& topic) {
-  std::vector<std::string> parts;
-  std::string part;
-  for (const char c : topic + "/") {
-    if (c != '/') {
-      part += c;
-    } else if (!part.empty()) {
-      parts.push_back(std::move(part));
-      part.clear();
-    }
-  }
-  return parts;
-}
 
 /// By how many joints that move each link is moved.
 std::vector<std::size_t> depthsOf(const RobotModel& model) {
@@ -97,13 +80,10 @@ SetupDraft::SetupDraft(const Survey& survey, std::shared_ptr<const RobotModel> m
 }
 
 void SetupDraft::chooseFixedFrame() {
-  std::set<std::string> known;
-  for (const auto& [name, frame] : survey_.frames) known.insert({name, frame.parent});
-  if (model_) base_frame_ = model_->rootFrames().front();
-  if (known.count(base_frame_) == 0 && !survey_.sensors.empty()) {
-    const Survey::Sensor& first = survey_.sensors.front();
-    const std::string top = survey_.upFrom(*first.frames.begin()).back();
-    if (!model_) base_frame_ = top;
+  if (model_) {
+    base_frame_ = model_->rootFrames().front();
+  } else {
+    base_frame_ = survey_.upFrom(*survey_.sensors.front().frames.begin()).back();
   }
   const std::vector<std::string> moving = survey_.movingBelow(base_frame_, "");
   fixed_frame_ = moving.empty() ? base_frame_ : survey_.frames.at(moving.front()).parent;
@@ -261,7 +241,6 @@ void SetupDraft::chooseLinks() {
   const std::size_t most = mostJoints(*model_);
   if (most < kArmJoints) {
     text_.set("collision_checker", "check_occlusion", "false", "the robot has no arms");
-    text_.set("collision_checker", "unseen_fraction_max", "1.0", "likewise");
     return;
   }
   for (const std::size_t link : linksFrom(*model_, (2 * most + 2) / 3)) {
@@ -300,17 +279,9 @@ void SetupDraft::chooseTimes() {
 }
 
 MonitorConfig SetupDraft::settings() const {
-  const auto path = std::filesystem::temp_directory_path() /
-                    formatted("tccm_monitor_setup_%d.yaml", static_cast<int>(getpid()));
-  writeText(path.string(), yaml());
-  try {
-    MonitorConfig settings = readMonitorConfig(path.string());
-    std::filesystem::remove(path);
-    return settings;
-  } catch (...) {
-    std::filesystem::remove(path);
-    throw;
-  }
+  const ScratchFile file("yaml");
+  writeText(file.path(), yaml());
+  return readMonitorConfig(file.path());
 }
 
 MonitorConfig SetupDraft::trialSettings() const {

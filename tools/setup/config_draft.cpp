@@ -2,24 +2,22 @@
 
 #include <algorithm>
 
-#include "program.h"
+#include "tools/program.h"
 
 namespace tccm {
-namespace {
-
-std::vector<std::string> partsOf(const std::string& name) {
-  std::vector<std::string> parts(1);
-  for (const char c : name) {
-    if (c == '/') {
-      parts.emplace_back();
-    } else {
-      parts.back() += c;
+std::vector<std::string> partsOf(const std::string& path) {
+  std::vector<std::string> parts;
+  std::string part;
+  for (const char c : path + "/") {
+    if (c != '/') {
+      part += c;
+    } else if (!part.empty()) {
+      parts.push_back(std::move(part));
+      part.clear();
     }
   }
   return parts;
 }
-
-}  // namespace
 
 ConfigDraft::Section& ConfigDraft::section(const std::string& name) {
   auto found = std::lower_bound(

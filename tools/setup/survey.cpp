@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bag_stream.h"
 #include "base/frame_name.h"
 #include "ros/conversions.h"
+#include "tools/bag_stream.h"
 
 namespace tccm {
 namespace {

@@ -3,24 +3,22 @@
 #include <ros/init.h>
 #include <ros/master.h>
 #include <ros/param.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "bag_stream.h"
-#include "evaluation.h"
+#include "draft.h"
+#include "findings.h"
 #include "listener.h"
-#include "program.h"
-#include "setup_draft.h"
-#include "setup_findings.h"
 #include "survey.h"
 #include "tccm_monitor/config_error.h"
+#include "tools/bag_stream.h"
+#include "tools/evaluation.h"
+#include "tools/program.h"
 
 namespace tccm {
 namespace {
@@ -55,25 +53,6 @@ void describe(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_flag("--check", options.check, "writes nothing, says only what is wrong");
 }
-
-/// A file that is gone with it.
-class ScratchFile {
- public:
-  explicit ScratchFile(const char* ending)
-      : path_((std::filesystem::temp_directory_path() /
-               formatted("tccm_monitor_setup_%d.%s", static_cast<int>(getpid()), ending))
-                  .string()) {}
-  ScratchFile(const ScratchFile&) = delete;
-  ScratchFile& operator=(const ScratchFile&) = delete;
-  ~ScratchFile() {
-    std::error_code ignored;
-    std::filesystem::remove(path_, ignored);
-  }
-  [[nodiscard]] const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
 
 /// How a run ends.
 int tell(const std::vector<std::string>& findings) {
@@ -144,6 +123,7 @@ class Setup {
   int look(const std::string& bag) {
     const Survey survey = surveyOf(bag, progressBar());
     if (survey.sensors.empty()) return tell({"no scans and no clouds came"});
+    if (!model_) std::cout << "note: no robot is named, so that nothing is checked\n";
     SetupDraft draft(survey, model_);
     std::string joint_states = draft.jointTopic();
     MonitorConfig settings;
@@ -164,7 +144,7 @@ class Setup {
     Evaluation evaluation(settings, model_, {});
     play(*streamOf(bag, settings, joint_states), evaluation, progressBar());
     if (!options_.check && !given_) std::cout << "written  " << options_.out << '\n';
-    return tell(findingsOf(evaluation, settings, survey));
+    return tell(findingsOf(evaluation, settings));
   }
 
   Lessons learn(const std::string& bag, const SetupDraft& draft) const {

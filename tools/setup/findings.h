@@ -3,8 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "evaluation.h"
-#include "survey.h"
+#include "tools/evaluation.h"
 
 namespace tccm {
 
@@ -12,7 +11,6 @@ namespace tccm {
 /// to do. What was found near the robot is none of it.
 /// @param evaluation of what was heard, finished.
 [[nodiscard]] std::vector<std::string> findingsOf(const Evaluation& evaluation,
-                                                  const MonitorConfig& settings,
-                                                  const Survey& survey);
+                                                  const MonitorConfig& settings);
 
 }  // namespace tccm

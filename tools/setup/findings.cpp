@@ -1,10 +1,11 @@
-#include "setup_findings.h"
+#include "findings.h"
 
 #include <algorithm>
 #include <set>
 
-#include "program.h"
-#include "report.h"
+#include "ros/advice.h"
+#include "tools/program.h"
+#include "tools/report.h"
 
 namespace tccm {
 namespace {
@@ -12,42 +13,24 @@ namespace {
 constexpr double kStart = 2.0;  // [s] in which inputs may still be missing
 constexpr double kDroppedShareMax = 0.05;
 
-/// What helps, where the detail does not say so itself.
-const char* remedyOf(Reason reason) {
-  switch (reason) {
-    case Reason::kBadTrajectory:
-      return "; correct the controller, or what plans for it";
-    case Reason::kMapOverflow:
-      return "; raise window_returns_max, intervals_max or held_max";
-    case Reason::kNoMap:
-      return "; see whether scans come, and on which topic";
-    case Reason::kMapLate:
-      return "; compare the clocks of sensor and robot, or lower the machine's load";
-    case Reason::kSweepIncomplete:
-      return "; let the laser tilt steadily, all the way";
-    case Reason::kBlind:
-      return "; see what covers the sensor, and whether the robot's model is larger than the robot";
-    case Reason::kNoJoints:
-      return "; publish it, or put a joint that nobody publishes into fixed_joints";
-    case Reason::kNoTransform:
-      return "; see who publishes this transform, how often and with which stamps";
-    case Reason::kFuture:
-      return "; compare the machines' clocks";
-    case Reason::kCheckLate:
-      return "; lower the machine's load, or the rate of the joint states";
-    case Reason::kNoClock:
-      return "; let one node publish /clock, steadily";
-    default:
-      return "";
-  }
+/// Of inputs that may come a little after the others at the start.
+bool mayBeMissingAtStart(Reason reason) {
+  return reason == Reason::kNoJoints || reason == Reason::kNoTransform ||
+         reason == Reason::kNoMap || reason == Reason::kMapLate;
 }
 
 class Findings {
  public:
-  Findings(const Evaluation& evaluation, const MonitorConfig& settings, const Survey& survey)
-      : evaluation_(evaluation), settings_(settings), survey_(survey) {}
+  Findings(const Evaluation& evaluation, const MonitorConfig& settings)
+      : evaluation_(evaluation), settings_(settings) {}
 
   std::vector<std::string> all() {
+    const auto& last = evaluation_.totals().last_stamp;
+    const double heard_s = last ? secondsUntil(*last) : 0.0;
+    if (heard_s < 2.0 * kStart) {
+      add(formatted("only %.1f s were heard, too little to tell anything: listen for longer",
+                    heard_s));
+    }
     if (evaluation_.hasRobot()) {
       lookAtStops();
       lookForMissingJoints();
@@ -133,13 +116,24 @@ class Findings {
     const Totals& totals = evaluation_.totals();
     for (const StopRun& run : totals.stop_runs) {
       if (levelOf(run.reason) != Level::kFault) continue;
-      const bool at_start = totals.first_stamp && toSeconds(run.to - *totals.first_stamp) < kStart;
+      const bool at_start = mayBeMissingAtStart(run.reason) && secondsUntil(run.to) < kStart;
       const bool is_told_otherwise =
           (run.reason == Reason::kNoMap && isMostlyDropped()) ||
           (run.reason == Reason::kNoJoints && !evaluation_.missingJoints().empty());
       if (at_start || is_told_otherwise || !told_.insert(run.reason).second) continue;
       add(std::string(name(run.reason)) + ": " + run.detail + remedyOf(run.reason));
     }
+  }
+
+  /// From the beginning on.
+  [[nodiscard]] double secondsUntil(Time stamp) const {
+    const auto& first = evaluation_.totals().first_stamp;
+    return first ? toSeconds(stamp - *first) : 0.0;
+  }
+
+  [[nodiscard]] std::string remedyOf(Reason reason) const {
+    const std::string text = advice_.about(name(reason), "FAULT");
+    return text.empty() ? "" : "; to do: " + text;
   }
 
   [[nodiscard]] bool isMostlyDropped() const {
@@ -149,16 +143,15 @@ class Findings {
 
   const Evaluation& evaluation_;
   const MonitorConfig& settings_;
-  const Survey& survey_;
+  Advice advice_ = Advice::ofThePage();
   std::vector<std::string> lines_;
   std::set<Reason> told_;
 };
 
 }  // namespace
 
-std::vector<std::string> findingsOf(const Evaluation& evaluation, const MonitorConfig& settings,
-                                    const Survey& survey) {
-  return Findings(evaluation, settings, survey).all();
+std::vector<std::string> findingsOf(const Evaluation& evaluation, const MonitorConfig& settings) {
+  return Findings(evaluation, settings).all();
 }
 
 }  // namespace tccm

@@ -1,0 +1,44 @@
+#include "nodelets/stop_cause.h"
+
+#include <tccm_monitor/Cuboid.h>
+
+#include "nodelets/status_conversions.h"
+
+namespace tccm {
+namespace {
+
+/// Nothing is found, and yet it stops.
+bool endsAStop(Reason reason) {
+  return reason == Reason::kReleasing || reason == Reason::kAwaitingReset;
+}
+
+}  // namespace
+
+std::vector<FlaggedBox> flaggedBoxes(const Verdict& verdict, const CuboidMap& map) {
+  std::vector<FlaggedBox> boxes;
+  for (const auto& [cuboid, col] : flaggedBy(verdict)) {
+    boxes.emplace_back(map.box(map.cuboids[cuboid]), col);
+  }
+  return boxes;
+}
+
+void StopCause::follow(const Verdict& verdict, const CuboidMap* map) {
+  if (verdict.stop && (verdict.reason == reason_ || endsAStop(verdict.reason))) return;
+  if (verdict.reason == Reason::kMovingOut) return;  // the stop comes back, to be released
+  reason_ = verdict.stop ? verdict.reason : Reason::kClear;
+  boxes_.clear();
+  if (!verdict.stop) return;
+  detail_ = verdict.detail;
+  if (!verdict.placed || map == nullptr) return;
+  boxes_ = flaggedBoxes(verdict, *map);
+  if (verdict.first_contact) {
+    const Cuboid& touched = map->cuboids[verdict.first_contact->contact.cuboid];
+    boxes_.emplace_back(map->box(touched), std::uint8_t{tccm_monitor::Cuboid::COLLISION});
+  }
+}
+
+bool StopCause::outlives(const Verdict& verdict) const {
+  return reason_ != Reason::kClear && endsAStop(verdict.reason);
+}
+
+}  // namespace tccm

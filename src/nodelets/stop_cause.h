@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tccm_monitor/cuboid_map.h"
+#include "tccm_monitor/verdict.h"
+
+namespace tccm {
+
+/// A cuboid's box, and its col as in Cuboid.msg.
+using FlaggedBox = std::pair<UprightBox, std::uint8_t>;
+
+/// Of what links touch, or hide behind. @param map that the verdict rests on.
+[[nodiscard]] std::vector<FlaggedBox> flaggedBoxes(const Verdict& verdict, const CuboidMap& map);
+
+/// What brought a stop about, kept while the stop lasts: people see nothing that is over within a
+/// few hundredths of a second.
+class StopCause {
+ public:
+  /// To be told each verdict. @param map that it rests on; null where there is none.
+  void follow(const Verdict& verdict, const CuboidMap* map);
+
+  /// Whether the stop lasts although nothing is found any more.
+  [[nodiscard]] bool outlives(const Verdict& verdict) const;
+  [[nodiscard]] Reason reason() const { return reason_; }
+  [[nodiscard]] const std::string& detail() const { return detail_; }
+  /// What was touched, or hid a link.
+  [[nodiscard]] const std::vector<FlaggedBox>& boxes() const { return boxes_; }
+
+ private:
+  Reason reason_ = Reason::kClear;  ///< no stop lasts
+  std::string detail_;
+  std::vector<FlaggedBox> boxes_;
+};
+
+}  // namespace tccm
