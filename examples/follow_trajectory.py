@@ -1,9 +1,10 @@
 #!/usr/bin/python3
 """A client of an arm's action, to be copied: it reaches there and back until a goal fails; one that is
 refused it sends again. The action is the one of the arm's own controller, or the same behind the
-TrajectoryGate: the difference is its name.
+TrajectoryGate: the difference is its name. The way is that of a file, or one joint's turn.
 
-  rosrun tccm_monitor follow_trajectory.py _action:=right_arm/follow_joint_trajectory
+  rosrun tccm_monitor follow_trajectory.py _action:=right_arm/follow_joint_trajectory _way:=reach.yaml
+  rosrun tccm_monitor follow_trajectory.py _action:=arm/follow_joint_trajectory _joint:=joint_1 _by:=0.8
 """
 
 import sys
@@ -32,21 +33,35 @@ def goal_of(names, way):
         for seconds, positions, velocities in way]))
 
 
-def main():
-    rospy.init_node("follow_trajectory")
-    path = rospy.get_param(
-        "~way", rospkg.RosPack().get_path("tccm_monitor") + "/examples/reach.yaml")
+def way_of_file(path):
+    """@return joints and (seconds, positions, velocities) of each point."""
     with open(path, encoding="utf-8") as file:
         content = yaml.safe_load(file)
-    there = [(point["time_from_start"], point["positions"], point["velocities"])
-             for point in content["points"]]
+    return content["joint_names"], [(point["time_from_start"], point["positions"], point["velocities"])
+                                    for point in content["points"]]
+
+
+def way_of_joint(name, by):
+    """From where the joint is. @param by [rad]"""
+    joints = rospy.wait_for_message("joint_states", JointState)
+    here = dict(zip(joints.name, joints.position))[name]
+    return [name], [(0.0, [here], [0.0]), (1.5 * abs(by) / APPROACH_SPEED, [here + by], [0.0])]
+
+
+def main():
+    rospy.init_node("follow_trajectory")
+    if rospy.has_param("~joint"):
+        names, there = way_of_joint(rospy.get_param("~joint"), rospy.get_param("~by"))
+    else:
+        names, there = way_of_file(rospy.get_param(
+            "~way", rospkg.RosPack().get_path("tccm_monitor") + "/examples/reach.yaml"))
     back = [(there[-1][0] - seconds, positions, [-velocity for velocity in velocities])
             for seconds, positions, velocities in reversed(there)]
 
     client = actionlib.SimpleActionClient(rospy.get_param("~action"), FollowJointTrajectoryAction)
     client.wait_for_server()
     for way in (there, back) * rospy.get_param("~times", 1000):
-        while client.send_goal_and_wait(goal_of(content["joint_names"], way)) == GoalStatus.REJECTED:
+        while client.send_goal_and_wait(goal_of(names, way)) == GoalStatus.REJECTED:
             rospy.logwarn("Not yet: %s", client.get_result().error_string)
             rospy.sleep(1.0)
         if rospy.is_shutdown():

@@ -156,11 +156,16 @@ sensor_msgs::PointCloud2 lidarMessage(const Cloud& cloud) {
   return message;
 }
 
+tf2_msgs::TFMessage mountMessage(const Mount& mount, const std::string& frame, Time stamp) {
+  tf2_msgs::TFMessage message;
+  message.transforms.push_back(transformMessage(mount.link, frame, mount.T_link_sensor, stamp));
+  return message;
+}
+
 tf2_msgs::TFMessage mountMessage(const Simulator::Config& config) {
   tf2_msgs::TFMessage message;
   const auto add = [&](const Mount& mount, const char* frame) {
-    message.transforms.push_back(
-        transformMessage(mount.link, frame, mount.T_link_sensor, config.start));
+    message.transforms.push_back(mountMessage(mount, frame, config.start).transforms.front());
   };
   if (config.has(SensorKind::kCamera)) add(config.clouds.camera_mount, kCameraFrame);
   if (config.has(SensorKind::kLidar)) add(config.clouds.lidar_mount, kLidarFrame);
@@ -187,14 +192,15 @@ tf2_msgs::TFMessage transformMessage(const RobotModel& model, const RobotSample&
   return message;
 }
 
-visualization_msgs::MarkerArray sceneMarkers(const World& world, Time stamp) {
+visualization_msgs::MarkerArray sceneMarkers(const World& world, const std::string& frame,
+                                             Time stamp) {
   visualization_msgs::MarkerArray message;
   for (const SceneObject& object : world) {
     const std::optional<Pose> pose = object.poseAt(stamp);
     if (!pose || object.name == "floor") continue;
     Marker marker;
     marker.header.stamp = toRos(stamp);
-    marker.header.frame_id = "base_link";
+    marker.header.frame_id = frame;
     marker.ns = "scene";
     marker.color.r = object.colour.x();
     marker.color.g = object.colour.y();

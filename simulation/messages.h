@@ -32,6 +32,9 @@ constexpr char kLidarTopic[] = "ouster/points";
 /// Of the frames that the camera's and the lidar's clouds are in: those that there are. For
 /// /tf_static.
 [[nodiscard]] tf2_msgs::TFMessage mountMessage(const Simulator::Config& config);
+/// Of one.
+[[nodiscard]] tf2_msgs::TFMessage mountMessage(const Mount& mount, const std::string& frame,
+                                               Time stamp);
 
 /// All joints that move.
 [[nodiscard]] sensor_msgs::JointState jointMessage(const RobotModel& model,
@@ -41,7 +44,8 @@ constexpr char kLidarTopic[] = "ouster/points";
 [[nodiscard]] tf2_msgs::TFMessage transformMessage(const RobotModel& model,
                                                    const RobotSample& sample);
 
-/// The scene as it is at an instant, transparent, in base_link.
-[[nodiscard]] visualization_msgs::MarkerArray sceneMarkers(const World& world, Time stamp);
+/// The scene as it is at an instant, transparent. @param frame the fixed frame
+[[nodiscard]] visualization_msgs::MarkerArray sceneMarkers(const World& world,
+                                                           const std::string& frame, Time stamp);
 
 }  // namespace tccm::simulation

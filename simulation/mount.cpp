@@ -6,9 +6,7 @@
 #include "tccm_monitor/config_error.h"
 
 namespace tccm::simulation {
-namespace {
 
-/// An optical frame in which a place is ahead and another direction above.
 Pose lookingAt(const Vector3& from, const Vector3& to, const Vector3& up) {
   Pose pose = Pose::Identity();
   const Vector3 ahead = (to - from).normalized();
@@ -17,8 +15,6 @@ Pose lookingAt(const Vector3& from, const Vector3& to, const Vector3& up) {
   pose.translation() = from;
   return pose;
 }
-
-}  // namespace
 
 std::vector<std::string> sensorNames() { return {"laser", "camera", "lidar"}; }
 

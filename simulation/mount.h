@@ -23,10 +23,14 @@ enum class SensorKind { kLaser, kCamera, kLidar };
 /// By their names. @throws ConfigError also where one comes twice, or none.
 [[nodiscard]] std::vector<SensorKind> sensorKinds(const std::vector<std::string>& names);
 
+/// An optical frame (z ahead, x right, y down) in which a place is ahead and another direction
+/// above. @pre the place does not lie in that direction.
+[[nodiscard]] Pose lookingAt(const Vector3& from, const Vector3& to, const Vector3& up);
+
 /// The places that cameraMount() knows: "chest" and "head" look at the table, "wrist" along the
 /// right hand, "side" stands on the robot's right and looks across before it.
 [[nodiscard]] std::vector<std::string> cameraPlaces();
-/// Of the camera's optical frame: z ahead, x right, y down. @throws ConfigError for another place.
+/// Of the camera's optical frame. @throws ConfigError for another place.
 [[nodiscard]] Mount cameraMount(const std::string& place);
 /// Above the head, tilted to look at the table ahead.
 [[nodiscard]] Mount lidarMount();

@@ -178,7 +178,7 @@ class SimulationNode {
     if (markers_drawn_ && !appeared && now - *markers_drawn_ < due) return;
     markers_drawn_ = now;
     objects_drawn_ = simulator_.world().size();
-    markers_.publish(sceneMarkers(simulator_.world(), now));
+    markers_.publish(sceneMarkers(simulator_.world(), "base_link", now));
   }
 
   Config config_;

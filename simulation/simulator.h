@@ -13,6 +13,7 @@
 #include "simulation/commanded_arms.h"
 #include "simulation/motion.h"
 #include "simulation/obstacle.h"
+#include "simulation/robot_sample.h"
 #include "simulation/scanner.h"
 #include "simulation/scanning_head.h"
 #include "simulation/truth.h"
@@ -20,14 +21,6 @@
 #include "tccm_monitor/robot_model.h"
 
 namespace tccm::simulation {
-
-/// The robot's joints and links at one instant.
-struct RobotSample {
-  Time stamp;
-  std::vector<double> positions;   ///< of the model's variables [rad]
-  std::vector<double> velocities;  ///< [rad/s]
-  std::vector<Pose> link_poses;    ///< T_fixed_link, of the model's links
-};
 
 /// What came up during a step.
 struct StepOutput {

@@ -159,8 +159,8 @@ struct CuboidMap {
   /// where none is measured the window; 0 before either is known.
   Duration look_period{0};
   Duration hold{0};  ///< for which at most is held what leaves the window
-  /// The share of the returns inside the area that was taken for the robot, over the last period of
-  /// the tilt; nothing where it is not known, or fewer than 50 a scan lie inside.
+  /// The share of the returns inside the area and below it that was taken for the robot, over the
+  /// last period of the tilt; nothing where it is not known, or fewer than 50 a scan lie there.
   std::optional<double> self_share = {};
   std::uint32_t appeared = 0;           ///< cuboids that have
   Height thickness = 0;                 ///< d0, quanta

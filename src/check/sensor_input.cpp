@@ -44,8 +44,8 @@ void SensorInput::Limits::describe(ParameterTable& table) {
             "from the newest scan's stamp to the check");
   table.add(
       "self_filter_fraction_max", &self_filter_fraction_max, "", {0.1, 1.0},
-      "share of the returns inside the area that may be taken for the robot, over a period of "
-      "the tilt, where 50 a scan or more lie inside; above it the sensor is blind");
+      "share of the returns inside the area and below it that may be taken for the robot, over a "
+      "period of the tilt, where 50 a scan or more lie there; above it the sensor is blind");
   table.add("future_max_s", &future_max_s, "s", {0.0, 10.0},
             "a scan or joint state may lead the check by this");
 }
@@ -157,13 +157,15 @@ void SensorInput::appendCauses(const Question& question, std::vector<Cause>& cau
   }
   const double share_max = question.limits.self_filter_fraction_max;
   if (map_ && map_->self_share && *map_->self_share > share_max) {
-    append({Reason::kBlind,
-            lineOf("the self filter takes %.0f %% of what lies inside the area, at most %.0f %% "
-                   "are believed (self_filter_fraction_max); most of it for '%.100s': see whether "
-                   "it is described too large",
-                   100.0 * *map_->self_share, 100.0 * share_max, self_link_.c_str()),
-            self_link_},
-           causes);
+    append(
+        {Reason::kBlind,
+         lineOf("the self filter takes %.0f %% of what lies inside the area and below it, at most "
+                "%.0f %% are believed (self_filter_fraction_max); most of it for '%.100s': see "
+                "whether "
+                "it is described too large",
+                100.0 * *map_->self_share, 100.0 * share_max, self_link_.c_str()),
+         self_link_},
+        causes);
   }
   append(mapCause(question), causes);
 }

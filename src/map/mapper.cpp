@@ -279,12 +279,15 @@ void Mapper::followTilt(Time stamp, double tilt) {
   unbroken_since_ = stamp;
 }
 
-/// By looks alone: a scan has one for each return, a cloud one for each block of directions.
+/// By looks alone: a scan has one for each return, a cloud one for each block of directions. The
+/// floor below the area counts: an arm alone before it does not hide that the sensor sees.
 void Mapper::countSelf(const ScanReturns& scan) {
   std::size_t self = 0, others = 0;
+  const double lowest = config_.map.grid.height_min_m;
   for (const Look& look : scan.looks) {
     if (look.what != Seen::kRobot && look.what != Seen::kSurface) continue;
-    if (!map_.grid().place(look.end)) continue;
+    const Vector3 end(look.end.x(), look.end.y(), std::max(look.end.z(), lowest));
+    if (!map_.grid().place(end)) continue;
     ++(look.what == Seen::kRobot ? self : others);
   }
   self_share_.add(scan.stamp, self, others, lookPeriod());

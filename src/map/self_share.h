@@ -9,8 +9,9 @@
 
 namespace tccm {
 
-/// The share of what the sensor measures inside the area that is taken for the robot, over a whole
-/// period of the tilt: nearly all of it is no robot, but one that is described too large.
+/// The share of what the sensor measures inside the area and below it that is taken for the robot,
+/// over a whole period of the tilt: nearly all of it is no robot, but one that is described too
+/// large.
 class SelfShare {
  public:
   /// @param scans that are remembered at most.

@@ -10,6 +10,7 @@ namespace {
 constexpr std::size_t kSteps = 2000;      // so many neighbours tell how far they are apart
 constexpr std::size_t kStepsLeast = 50;   // fewer do not
 constexpr float kDirectionAlone = 0.01F;  // [m], where no range was measured
+constexpr float kDoubtDepth = 0.05F;      // [m] that what is nearest may be before what was kept
 
 }  // namespace
 
@@ -63,7 +64,9 @@ void CloudLooks::layOut(const Pitch& pitch) {
 }
 
 void CloudLooks::Columns::clear(std::size_t width) {
-  nearest.assign(width, std::numeric_limits<float>::infinity());
+  for (std::vector<float>* least : {&nearest, &nearest_kept}) {
+    least->assign(width, std::numeric_limits<float>::infinity());
+  }
   for (std::vector<std::uint16_t>* points : {&returns, &thinned, &unknown}) {
     points->assign(width, 0);
   }
@@ -78,6 +81,11 @@ void CloudLooks::Columns::add(const float* ranges, const BeamKind* kinds) {
   for (std::size_t i = 0; i < width; ++i) {
     const float range = ranges[i] > 0.0F ? ranges[i] : kNone;
     least[i] = std::min(least[i], range);
+  }
+  float* const least_kept = nearest_kept.data();
+  for (std::size_t i = 0; i < width; ++i) {
+    const float range = kinds[i] == BeamKind::kReturn ? ranges[i] : kNone;
+    least_kept[i] = std::min(least_kept[i], range);
   }
   // A loop each, over what nothing else can be: then a compiler does many columns at once.
   const auto count = [&](std::vector<std::uint16_t>& points, BeamKind kind) {
@@ -103,15 +111,18 @@ void CloudLooks::closeBlocks(std::size_t first, std::size_t width) {
     Block& block = blocks_[first++];
     const std::size_t end = std::min(begin + pitch_columns_, width);
     float nearest = std::numeric_limits<float>::infinity();
+    float nearest_kept = nearest;
     std::uint32_t returns = 0, thinned = 0, unknown = 0;
     for (std::size_t i = begin; i < end; ++i) {
       nearest = std::min(nearest, columns_.nearest[i]);
+      nearest_kept = std::min(nearest_kept, columns_.nearest_kept[i]);
       returns += columns_.returns[i];
       thinned += columns_.thinned[i];
       unknown += columns_.unknown[i];
       block.robot |= columns_.robot[i] != 0;
     }
     block.nearest = std::isinf(nearest) ? 0.0F : nearest;
+    block.nearest_kept = nearest_kept;
     const auto points = static_cast<std::uint32_t>(columns_.rows * (end - begin));
     const std::uint32_t judged = points - thinned - unknown;
     block.kept = returns + (judged > 0 ? thinned * returns / judged : 0);
@@ -155,7 +166,8 @@ void CloudLooks::finish(bool organised, const std::vector<CloudPlace>& places,
 void CloudLooks::finish(const Block& block, const Eigen::Vector3f& direction,
                         const std::vector<CloudPlace>& places, std::vector<Look>& looks) const {
   if (direction.isZero()) return;  // nothing was ever measured there
-  const bool is_unclear = block.kept == 0 || block.doubtful > block.kept;
+  const bool is_unclear = block.kept == 0 || block.doubtful > block.kept ||
+                          block.nearest + kDoubtDepth < block.nearest_kept;
   const Seen what = block.robot ? Seen::kRobot : is_unclear ? Seen::kUnclear : Seen::kSurface;
   const Pose& T_fixed_sensor = places[block.place].T_fixed_sensor;
   const float range = block.nearest > 0.0F ? block.nearest : kDirectionAlone;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -14,8 +15,9 @@
 namespace tccm {
 
 /// One look for each block of neighbouring directions: the nearest range that was measured there
-/// tells how far it was seen, one point of the robot's makes it a look at the robot, and where most
-/// of it is unknown or was filtered out the direction alone is known.
+/// tells how far it was seen, one point of the robot's makes it a look at the robot. Where most of
+/// it is unknown or was filtered out, or what is nearest was, the direction alone is known: a point
+/// in the air beside an outline is no surface that hides anything.
 class CloudLooks {
  public:
   struct Config {
@@ -87,8 +89,9 @@ class CloudLooks {
 
  private:
   struct Block {
-    Eigen::Vector3f towards = Eigen::Vector3f::Zero();  ///< sum of unit vectors
-    float nearest = 0.0F;                               ///< [m]; 0: none measured
+    Eigen::Vector3f towards = Eigen::Vector3f::Zero();            ///< sum of unit vectors
+    float nearest = 0.0F;                                         ///< [m]; 0: none measured
+    float nearest_kept = std::numeric_limits<float>::infinity();  ///< [m]; infinite: none
     std::uint32_t kept = 0;
     std::uint32_t doubtful = 0;  ///< unknown, or filtered out
     std::uint32_t points = 0;    ///< that towards is of, with a range
@@ -104,6 +107,7 @@ class CloudLooks {
   /// What is known of the rows of a block, column by column: a loop over columns is fast.
   struct Columns {
     std::vector<float> nearest;                            ///< [m]; infinite: none measured
+    std::vector<float> nearest_kept;                       ///< likewise, of returns
     std::vector<std::uint16_t> returns, thinned, unknown;  ///< points
     std::vector<std::uint8_t> robot;                       ///< whether any is its
     std::uint16_t rows = 0;
@@ -130,6 +134,7 @@ class CloudLooks {
                   std::size_t place) {
     const bool is_kept = kind == BeamKind::kReturn;
     block.kept += is_kept ? 1 : 0;
+    if (is_kept) block.nearest_kept = std::min(block.nearest_kept, range);
     block.doubtful += is_kept ? 0 : 1;
     block.robot |= kind == BeamKind::kSelf;
     if (range == 0.0F) {

@@ -88,6 +88,24 @@ TEST(SelfShareTest, TheMapHasThatOfItsArea) {
   EXPECT_FALSE(test::snapshotOf(mapper).self_share);
 }
 
+TEST(SelfShareTest, TheFloorBelowTheAreaCounts) {
+  Mapper::Config config = test::smallMapper();
+  config.window_s = 1.0;
+  Mapper mapper(config);
+  const Vector3 inside(0.05, 0.05, 0.5), viewpoint(0.0, 0.0, 1.0);
+  const Vector3 floor(0.05, 0.05, config.map.grid.height_min_m - 0.1);
+  const Vector3 beside(50.0, 0.0, floor.z());
+  for (int i = 0; i < 100; ++i) {
+    ScanReturns scan;
+    scan.stamp = atScan(i);
+    for (int k = 0; k < 60; ++k) scan.looks.push_back({viewpoint, inside, Seen::kRobot});
+    for (int k = 0; k < 20; ++k) scan.looks.push_back({viewpoint, floor, Seen::kSurface});
+    for (int k = 0; k < 500; ++k) scan.looks.push_back({viewpoint, beside, Seen::kSurface});
+    mapper.add(scan);
+  }
+  EXPECT_DOUBLE_EQ(test::snapshotOf(mapper).self_share.value(), 0.75);
+}
+
 TEST(SelfShareTest, OfACloudWithALookForManyPointsLooksAreComparedWithLooks) {
   Mapper::Config config = test::smallMapper();
   config.window_s = 1.0;

@@ -91,14 +91,16 @@ TEST(CloudLooksTest, TheNearestRangeOfABlockTellsHowFarWasSeen) {
     const Eigen::Vector3f direction = view.cloud.points[i].normalized();
     view.cloud.points[i] = direction;
     view.state.ranges[i] = 1.0F;
-    // Also one that a filter took: where it ended nothing is known.
-    if (random.chance(0.5)) view.state.kinds[i] = BeamKind::kMixedPixel;
+    // Also one that a filter took: but no surface is there.
+    const bool is_filtered = random.chance(0.5);
+    if (is_filtered) view.state.kinds[i] = BeamKind::kMixedPixel;
     CloudLooks taker{{}};
     std::size_t near = 0;
     for (const Look& look : view.looks(taker)) {
       if (look.end.norm() > 1.5) continue;
       ++near;
       EXPECT_NEAR(look.end.norm(), 1.0, 1e-5);
+      EXPECT_EQ(look.what, is_filtered ? Seen::kUnclear : Seen::kSurface) << seed;
       EXPECT_LE(std::acos(look.end.normalized().dot(direction.cast<double>())), 0.0175) << seed;
     }
     EXPECT_EQ(near, 1U) << seed;

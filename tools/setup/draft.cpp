@@ -331,6 +331,29 @@ void SetupDraft::setFloor(const std::optional<Floor>& floor) {
   }
 }
 
+void SetupDraft::bePatient() {
+  const std::string why = "--patient: this computer pauses now and then";
+  text_.set("collision_checker", "joint_timeout_s", 0.3, why);
+  text_.set("collision_checker", "scan_timeout_periods", 10.0, why);
+  text_.set("collision_checker", "check_time_max_periods", 10.0, why);
+}
+
+void SetupDraft::setGate(const std::vector<ArmController>& controllers) {
+  const std::string ending = "_controller";
+  std::string list;
+  for (const ArmController& controller : controllers) {
+    const std::string downstream = controller.name.substr(1);  // as all names here, relative
+    const std::size_t length = downstream.size() - std::min(downstream.size(), ending.size());
+    const bool ends = length > 0 && downstream.substr(length) == ending;
+    const std::string name = ends ? downstream.substr(0, length) : downstream + "_gate";
+    list +=
+        formatted("%s{name: %s, downstream: %s, stop_duration_s: %.3g}", list.empty() ? "" : ", ",
+                  name.c_str(), downstream.c_str(), controller.stop_duration_s);
+  }
+  text_.set("trajectory_gate", "controllers", "[" + list + "]",
+            "those that run; send goals to NAME/follow_joint_trajectory");
+}
+
 void SetupDraft::learn(const Lessons& lessons) {
   for (std::size_t i = 0; i < sensors_.size(); ++i) {
     if (!lessons.tilt_periods_s[i]) continue;

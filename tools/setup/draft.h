@@ -8,6 +8,7 @@
 
 #include "config_draft.h"
 #include "floor.h"
+#include "listener.h"
 #include "monitor_config.h"
 #include "survey.h"
 #include "tccm_monitor/robot_model.h"
@@ -46,6 +47,10 @@ class SetupDraft {
   /// The same for a run that is to teach something: all heights, and room for a long tilt.
   [[nodiscard]] MonitorConfig trialSettings() const;
   void learn(const Lessons& lessons);
+  /// Limits of time for a computer that pauses now and then.
+  void bePatient();
+  /// Puts the TrajectoryGate before them.
+  void setGate(const std::vector<ArmController>& controllers);
 
  private:
   void chooseFixedFrame();

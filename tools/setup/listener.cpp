@@ -2,6 +2,7 @@
 
 #include <ros/callback_queue.h>
 #include <ros/master.h>
+#include <ros/param.h>
 #include <ros/ros.h>
 #include <rosbag/bag.h>
 #include <topic_tools/shape_shifter.h>
@@ -54,6 +55,23 @@ void recordRobot(double seconds, const std::string& path, const Progress& progre
     }
     if (progress) progress(std::min(1.0, passed / seconds));
   }
+}
+
+std::vector<ArmController> runningControllers() {
+  const std::string action = "/follow_joint_trajectory/result";
+  ros::master::V_TopicInfo topics;
+  ros::master::getTopics(topics);
+  std::vector<ArmController> controllers;
+  for (const ros::master::TopicInfo& topic : topics) {
+    if (topic.name.size() <= action.size()) continue;
+    const std::size_t length = topic.name.size() - action.size();
+    if (topic.name.compare(length, action.size(), action) != 0) continue;
+    ArmController controller{topic.name.substr(0, length)};
+    if (!ros::param::has(controller.name + "/joints")) continue;  // a gate's, or another's
+    ros::param::get(controller.name + "/stop_trajectory_duration", controller.stop_duration_s);
+    controllers.push_back(controller);
+  }
+  return controllers;
 }
 
 }  // namespace tccm

@@ -31,6 +31,8 @@ struct Options {
   std::string out = "my_robot.yaml";
   double seconds = 20.0;
   bool check = false;
+  bool gate = false;
+  bool patient = false;
 };
 
 void describe(CLI::App& app, Options& options) {
@@ -51,6 +53,11 @@ void describe(CLI::App& app, Options& options) {
   app.add_option("--seconds", options.seconds, "to listen for")
       ->check(CLI::Range(1.0, 600.0))
       ->capture_default_str();
+  app.add_flag("--gate", options.gate,
+               "puts the TrajectoryGate before the arms' controllers that run");
+  app.add_flag("--patient", options.patient,
+               "limits of time for a computer that pauses now and then, as one that simulates the "
+               "robot: silence is noticed later");
   app.add_flag("--check", options.check, "writes nothing, says only what is wrong");
 }
 
@@ -82,6 +89,9 @@ class Setup {
   explicit Setup(const Options& options) : options_(options) {}
 
   int run() {
+    if (options_.gate && !options_.bag.empty()) {
+      throw InputError("--gate: a recording does not tell which controllers run");
+    }
     std::string urdf = options_.urdf.empty() ? "" : readText(options_.urdf, "the URDF");
     std::string bag = options_.bag;
     const ScratchFile heard("bag");
@@ -137,6 +147,8 @@ class Setup {
              "whether tf has the tilt, or use a camera or lidar"});
       }
       draft.learn(learn(bag, draft));
+      if (options_.patient) draft.bePatient();
+      if (options_.gate) draft.setGate(controllersBehindGate());
       settings = draft.settings();
       if (!options_.check) writeText(options_.out, draft.yaml());
     }
@@ -145,6 +157,14 @@ class Setup {
     play(*streamOf(bag, settings, joint_states), evaluation, progressBar());
     if (!options_.check && !given_) std::cout << "written  " << options_.out << '\n';
     return tell(findingsOf(evaluation, settings));
+  }
+
+  static std::vector<ArmController> controllersBehindGate() {
+    std::vector<ArmController> controllers = runningControllers();
+    if (!controllers.empty()) return controllers;
+    throw InputError(
+        "--gate: no controller runs that has the action follow_joint_trajectory and its joints on "
+        "the parameter server");
   }
 
   Lessons learn(const std::string& bag, const SetupDraft& draft) const {
