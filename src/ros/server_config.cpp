@@ -87,6 +87,21 @@ std::string soundFile(const ros::NodeHandle& node) {
   return path;
 }
 
+ConfigError withLine(const ConfigError& error, const std::string& file) {
+  if (file.empty()) return error;
+  const std::string what = error.what();
+  // Of "/left/collision_checker/horizon_s: soon ..." what is without the namespace.
+  const std::size_t slash = what.rfind('/', what.find(": "));
+  const std::string said = slash == std::string::npos ? what : what.substr(slash + 1);
+  try {
+    static_cast<void>(readMonitorConfig(file));
+  } catch (const ConfigError& in_file) {
+    const std::string found = in_file.what();
+    if (found.find(said) != std::string::npos) return in_file;
+  }
+  return error;
+}
+
 std::shared_ptr<const RobotModel> sharedRobotModel(const ros::NodeHandle& node) {
   static std::mutex mutex;
   static std::map<std::string, std::weak_ptr<const RobotModel>> models;

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "monitor_config.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 
@@ -18,17 +19,24 @@ namespace tccm {
 /// read here. @throws ConfigError
 std::string soundFile(const ros::NodeHandle& node);
 
+/// The same error as the file has it, which tells its line, where it is there and says the same.
+[[nodiscard]] ConfigError withLine(const ConfigError& error, const std::string& file);
+
 /// A configuration as the parameter server has it; warns of keys that nothing reads.
 /// @throws ConfigError
 template <typename Config>
 [[nodiscard]] Config configFrom(const ros::NodeHandle& node) {
-  soundFile(node);
-  Config config;
-  for (const std::string& key : load(parametersOf(node), node.getNamespace(), config)) {
-    ROS_WARN("%s/%s: there is no such parameter; it is ignored.", node.getNamespace().c_str(),
-             key.c_str());
+  const std::string file = soundFile(node);
+  try {
+    Config config;
+    for (const std::string& key : load(parametersOf(node), node.getNamespace(), config)) {
+      ROS_WARN("%s/%s: there is no such parameter; it is ignored.", node.getNamespace().c_str(),
+               key.c_str());
+    }
+    return config;
+  } catch (const ConfigError& error) {
+    throw withLine(error, file);
   }
-  return config;
 }
 
 /// Logs what of a configuration differs from the defaults.

@@ -84,9 +84,9 @@ NO_NUMBER = "collision_checker:\n  horizon_s: .nan\n"
 
 CASES = {
     "no_robot": Case("", {nodelet: ["robot_description"] for nodelet in BOTH}),
-    "bad_cell_size": Case(ARMS, {"tccm_mapper": ["cell_size_m: -1"]},
+    "bad_cell_size": Case(ARMS, {"tccm_mapper": ["line 1", "cell_size_m: -1"]},
                           {"tccm_mapper": {"cell_size_m": -1}}),
-    "bad_horizon": Case(ARMS, {"collision_checker": ["horizon_s: soon"]},
+    "bad_horizon": Case(ARMS, {"collision_checker": ["line 1", "horizon_s: soon"]},
                         {"collision_checker": {"horizon_s": "soon"}}),
     "no_frame": Case(ARMS, {nodelet: ["fixed_frame"] for nodelet in FIRST},
                      {"tilt_scan_assembler": {"fixed_frame": "/"},
@@ -104,7 +104,7 @@ CASES = {
     "broken_mesh": Case(lambda folder: robot_with_mesh(folder, "broken.stl", b"solid but nothing"),
                         {nodelet: ["hand_link", "broken.stl"] for nodelet in BOTH}),
     "mesh": Case(lambda folder: robot_with_mesh(folder, "hand.stl", stl_box(0.1, 0.04, 0.02)), {}),
-    "alone": Case(ARMS, {"collision_checker": ["horizon_s: soon"]},
+    "alone": Case(ARMS, {"collision_checker": ["line 1", "horizon_s: soon"]},
                   {"collision_checker": {"horizon_s": "soon"}}, standalone=True),
     "wrong_frame": Case(ARMS, {}, {"tilt_scan_assembler": {"fixed_frame": "nowhere"},
                                    "collision_checker": {"fixed_frame": "nowhere"}}),
