@@ -11,7 +11,9 @@ import pathlib
 import subprocess
 import tempfile
 import unittest
+import unittest.mock
 
+import numpy
 import rosbag
 import yaml
 
@@ -65,7 +67,7 @@ class SetupTest(unittest.TestCase):
         done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False,
                               env={**os.environ, "ROS_MASTER_URI": "http://localhost:1"})
         self.assertEqual(done.returncode, status, done.stdout + done.stderr)
-        self.error = done.stderr
+        self.error, self.output = done.stderr, done.stdout
         return [line[len("wrong: "):] for line in done.stdout.splitlines()
                 if line.startswith("wrong: ")]
 
@@ -200,6 +202,17 @@ class SetupTest(unittest.TestCase):
         urdf = self.folder / "arm.urdf"
         urdf.write_text(ARM)
         self.assert_reaches_ok(urdf)
+
+    def test_a_camera_that_looks_away_is_told(self):
+        urdf, bag = self.folder / "arm.urdf", self.folder / "aside.bag"
+        urdf.write_text(ARM)
+        with unittest.mock.patch.object(standing_robot, "TARGET", numpy.array([4.0, 0.0, 0.0])):
+            standing_robot.write(bag, ARM)
+        lines = self.set_up(bag, urdf=urdf, status=1)
+        self.assertEqual(len(lines), 1, lines)
+        self.assertIn("/camera/depth/points: nothing that it saw lies in the area", lines[0])
+        self.assertFalse(self.config()["collision_checker"]["check_occlusion"])
+        self.assertIn("note: no sensor sees [", self.output)
 
     def test_robots_of_others_before_a_camera_reach_their_first_ok(self):
         robots = SHARED / "robots"

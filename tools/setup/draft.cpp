@@ -364,6 +364,12 @@ void SetupDraft::learn(const Lessons& lessons) {
               256.0 * std::ceil(scans / 256.0),
               formatted("a tilt period is %.2f s", *lessons.tilt_periods_s[i]));
   }
+  for (std::size_t i = 0; i < sensors_.size(); ++i) {
+    if (lessons.points_in_area[i] > 0) continue;
+    defects_.push_back(sensors_[i].heard->topic +
+                       ": nothing that it saw lies in the area, nor on the floor below it: see to "
+                       "where it looks, and to its frame");
+  }
   setFloor(findFloor(lessons.points, bottom_m_));
   setTimes(lessons);
   if (hands_.empty()) return;
@@ -376,6 +382,8 @@ void SetupDraft::learn(const Lessons& lessons) {
     text_.remove("collision_checker", "occlusion_links");
     text_.set("collision_checker", "check_occlusion", "false",
               "no sensor saw the hands: those that would be watched are in evidence_links");
+    notes_.push_back("no sensor sees " + yamlList(hands_) +
+                     " well: whether they are hidden is not checked (check_occlusion)");
   } else {
     text_.set("collision_checker", "occlusion_links", yamlList(seen),
               formatted("seen well, of %zu that most joints move", hands_.size()));

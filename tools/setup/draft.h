@@ -19,9 +19,12 @@ namespace tccm {
 struct Lessons {
   std::vector<std::optional<double>> tilt_periods_s;  ///< by sensor
   std::vector<Vector3> points;                        ///< in the fixed frame, the robot's left out
-  double joint_age_s = 0.0;               ///< the largest of a check, but for those that are faults
-  std::vector<double> map_ages_s;         ///< likewise, by sensor
-  std::map<std::string, double> visible;  ///< mean visible fraction of links watched for occlusion
+  double joint_age_s = 0.0;        ///< the largest of a check, but for those that are faults
+  std::vector<double> map_ages_s;  ///< likewise, by sensor
+  /// Mean visible fraction of links watched for occlusion, where they are large enough to tell.
+  std::map<std::string, double> visible;
+  /// By sensor: points inside the area or on the floor below it, the robot's left out.
+  std::vector<std::size_t> points_in_area;
 };
 
 /// A configuration for a robot of which a survey is known.
@@ -41,6 +44,9 @@ class SetupDraft {
 
   [[nodiscard]] const std::vector<Sensor>& sensors() const { return sensors_; }
   [[nodiscard]] const std::string& jointTopic() const { return joint_topic_; }
+  /// What people should know of it, and what is wrong with what the sensors see; a line each.
+  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
+  [[nodiscard]] const std::vector<std::string>& defects() const { return defects_; }
   [[nodiscard]] std::string yaml() const { return text_.yaml(); }
   /// As programs read it. @throws ConfigError
   [[nodiscard]] MonitorConfig settings() const;
@@ -75,6 +81,7 @@ class SetupDraft {
   Pose T_fixed_base_ = Pose::Identity();  ///< at the beginning
   double bottom_m_ = 0.0;                 ///< height of the robot's lowest part in the fixed frame
   std::vector<std::string> hands_;        ///< links far out on the arms
+  std::vector<std::string> notes_, defects_;
 };
 
 }  // namespace tccm

@@ -149,6 +149,7 @@ class Setup {
       draft.learn(learn(bag, draft));
       if (options_.patient) draft.bePatient();
       if (options_.gate) draft.setGate(controllersBehindGate());
+      for (const std::string& note : draft.notes()) std::cout << "note: " << note << '\n';
       settings = draft.settings();
       if (!options_.check) writeText(options_.out, draft.yaml());
     }
@@ -156,7 +157,8 @@ class Setup {
     Evaluation evaluation(settings, model_, {});
     play(*streamOf(bag, settings, joint_states), evaluation, progressBar());
     if (!options_.check && !given_) std::cout << "written  " << options_.out << '\n';
-    return tell(findingsOf(evaluation, settings));
+    const std::vector<std::string> findings = findingsOf(evaluation, settings);
+    return tell(findings.empty() ? draft.defects() : findings);  // which may follow from those
   }
 
   static std::vector<ArmController> controllersBehindGate() {
@@ -196,6 +198,8 @@ class Setup {
       }
       if (!verdict.placed || !verdict.known) return;
       for (const LinkVisibility& link : verdict.now.links) {
+        if (link.silhouette < settings.checker.checker.pose.occlusion.silhouette_min_pixels)
+          continue;
         auto& [sum, times] = visible[checker.model()->links()[link.link]];
         sum += link.visible_fraction;
         ++times;
@@ -207,6 +211,7 @@ class Setup {
       lessons.visible[link] = of_link.first / static_cast<double>(of_link.second);
     }
     for (std::size_t i = 0; i < draft.sensors().size(); ++i) {
+      lessons.points_in_area.push_back(evaluation.totals().sensors[i].points_mapped);
       const auto period = evaluation.monitor().mapper(i).tiltPeriod();
       lessons.tilt_periods_s.push_back(period ? std::optional<double>(toSeconds(*period))
                                               : std::nullopt);
