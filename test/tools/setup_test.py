@@ -5,6 +5,7 @@ Environment: TCCM_SETUP, TCCM_SIMULATE, TCCM_EVALUATE: the programs. TCCM_SHARED
 recordings; what needs it is skipped without.
 """
 
+import itertools
 import json
 import os
 import pathlib
@@ -155,15 +156,33 @@ class SetupTest(unittest.TestCase):
             return [(topic, zeros), (topic, message)]
         self.assert_found(self.changed("twice.bag", twice), "JOINT_CONTRADICTED", "one node")
 
-    def test_a_laser_that_does_not_tilt_is_named(self):
-        def still(topic, message):
-            if topic == "/tf":
-                for transform in message.transforms:
-                    if "tilt" in transform.child_frame_id:
-                        transform.transform.rotation.x = transform.transform.rotation.y = 0.0
-                        transform.transform.rotation.z, transform.transform.rotation.w = 0.0, 1.0
+    def test_an_encoders_ticks_are_named_once(self):
+        def ticks(topic, message):
+            if topic == "/joint_states" and 4.0 < (message.header.stamp.to_sec() - 1000.0) % 8.0 < 4.2:
+                message.velocity = [1e5] * len(message.name)
             return [(topic, message)]
-        self.assert_found(self.changed("still.bag", still), "tilts")
+        self.assert_found(self.changed("ticks.bag", ticks), "JOINT_OUT_OF_RANGE", "ticks?")
+
+    @staticmethod
+    def still(topic, message):
+        if topic == "/tf":
+            for transform in message.transforms:
+                if "tilt" in transform.child_frame_id:
+                    transform.transform.rotation.x = transform.transform.rotation.y = 0.0
+                    transform.transform.rotation.z, transform.transform.rotation.w = 0.0, 1.0
+        return [(topic, message)]
+
+    def test_a_laser_that_does_not_tilt_is_named(self):
+        self.assert_found(self.changed("still.bag", self.still), "tilts")
+
+    def test_two_lasers_on_one_topic_are_named(self):
+        frames = itertools.cycle(("laser_link", "other_laser"))
+
+        def two(topic, message):
+            if topic == "/scan":
+                message.header.frame_id = next(frames)
+            return self.still(topic, message)
+        self.assert_found(self.changed("two.bag", two), "/scan", "'laser_link'", "'other_laser'")
 
     def test_scans_of_another_frame_are_named(self):
         def other(topic, message):

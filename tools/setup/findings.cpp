@@ -118,11 +118,18 @@ class Findings {
       if (levelOf(run.reason) != Level::kFault) continue;
       const bool at_start = mayBeMissingAtStart(run.reason) && secondsUntil(run.to) < kStart;
       const bool is_told_otherwise =
+          (run.reason == Reason::kCheckLate && wasStoppedBy(Reason::kJointOutOfRange)) ||
           (run.reason == Reason::kNoMap && isMostlyDropped()) ||
           (run.reason == Reason::kNoJoints && !evaluation_.missingJoints().empty());
       if (at_start || is_told_otherwise || !told_.insert(run.reason).second) continue;
       add(std::string(name(run.reason)) + ": " + run.detail + remedyOf(run.reason));
     }
+  }
+
+  [[nodiscard]] bool wasStoppedBy(Reason reason) const {
+    const std::vector<StopRun>& runs = evaluation_.totals().stop_runs;
+    return std::any_of(runs.begin(), runs.end(),
+                       [reason](const StopRun& run) { return run.reason == reason; });
   }
 
   /// From the beginning on.

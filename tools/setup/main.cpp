@@ -69,6 +69,18 @@ int tell(const std::vector<std::string>& findings) {
   return findings.empty() ? kDone : kLimitMissed;
 }
 
+/// Why none that was heard can be used.
+std::string whyNoSensor(const Survey& survey) {
+  for (const Survey::Sensor& sensor : survey.sensors) {
+    if (sensor.frames.size() < 2) continue;
+    return formatted("%s: its messages are in '%s' and in '%s': give each sensor a topic",
+                     sensor.topic.c_str(), sensor.frames.begin()->c_str(),
+                     sensor.frames.rbegin()->c_str());
+  }
+  return "no laser tilts, and no clouds came: what lies in one plane makes no map; see whether tf "
+         "has the tilt, or use a camera or lidar";
+}
+
 /// Of those that are no fault.
 void noteLargest(double age_s, double at_most_s, double& largest_s) {
   if (age_s <= at_most_s) largest_s = std::max(largest_s, age_s);
@@ -141,11 +153,7 @@ class Setup {
       settings = *given_;
       joint_states = settings.topics.joint_states;
     } else {
-      if (draft.sensors().empty()) {
-        return tell(
-            {"no laser tilts, and no clouds came: what lies in one plane makes no map; see "
-             "whether tf has the tilt, or use a camera or lidar"});
-      }
+      if (draft.sensors().empty()) return tell({whyNoSensor(survey)});
       draft.learn(learn(bag, draft));
       if (options_.patient) draft.bePatient();
       if (options_.gate) draft.setGate(controllersBehindGate());
