@@ -3,12 +3,15 @@
 #include <ros/ros.h>
 #include <std_msgs/Empty.h>
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "ros/controller_parameters.h"
+#include "ros/resources.h"
 #include "ros/server_config.h"
 #include "simulation/controller_server.h"
+#include "simulation/live.h"
 #include "simulation/messages.h"
 #include "simulation/standing_arm.h"
 #include "tccm_monitor/config_error.h"
@@ -39,14 +42,7 @@ class ArmSimulationNode {
   }
 
   void run() {
-    const ros::WallTime wall_start(toRos(start_).sec, toRos(start_).nsec);
-    ros::WallRate rate(500.0);
-    while (ros::ok()) {
-      const Duration elapsed((ros::WallTime::now() - wall_start).toNSec());
-      ros::spinOnce();
-      while (arm_.now() < start_ + elapsed && ros::ok()) step();
-      rate.sleep();
-    }
+    keepUp(arm_, start_, start_, Duration::zero(), [this] { step(); });
   }
 
  private:
@@ -123,22 +119,17 @@ StandingArm::Config load(const ros::NodeHandle& node, const RobotModel& model) {
       ControllerParameters::from(parametersOf(controller), kController, model);
   StandingArm::Config config;
   config.arm.controller = {parameters.rules, parameters.stop_duration_s};
-  int width = 320, seed = 1;
   node.param("posture", config.posture, config.posture);
-  node.param("camera_width", width, width);
-  node.param("seed", seed, seed);
   node.param("floor_m", config.floor_m, config.floor_m);
   node.param("box_m", config.box_m, config.box_m);
   loadPlace(node, "camera", config.camera_m);
   loadPlace(node, "look_at", config.look_at_m);
-  requireInRange("camera_width", width, 64.0, 1280.0);
-  requireInRange("seed", seed, 0.0, 2147483647.0);
-  config.camera.pinhole = Pinhole::ofWidth(static_cast<std::size_t>(width));
-  config.seed = static_cast<std::uint64_t>(seed);
+  config.camera.pinhole = pinholeOf(node, 320);
+  config.seed = seedOf(node);
   if (!ros::Time::isSystemTime()) {
     throw ConfigError("use_sim_time: has to be false, as this robot lives by the wall clock");
   }
-  config.start = Time(Duration(static_cast<Duration::rep>(ros::WallTime::now().toNSec())));
+  config.start = wallNow();
   return config;
 }
 
@@ -150,7 +141,10 @@ int main(int argc, char** argv) {
   ros::init(argc, argv, "simulation");
   const ros::NodeHandle parameters("~");  // outlives the try: ROS logs nothing after the last one
   try {
-    const auto model = tccm::sharedRobotModel(parameters);
+    // As it stands, whatever the monitor leaves out or takes otherwise.
+    const auto model = std::make_shared<const tccm::RobotModel>(
+        tccm::robotDescription(parameters), tccm::RobotModel::Config(),
+        tccm::RobotResources{tccm::resourceReader(""), tccm::fitCacheFolder(), {}});
     ArmSimulationNode node(load(parameters, *model), model);
     node.run();
   } catch (const std::exception& error) {

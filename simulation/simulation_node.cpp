@@ -12,6 +12,7 @@
 #include "ros/controller_parameters.h"
 #include "ros/server_config.h"
 #include "simulation/controller_server.h"
+#include "simulation/live.h"
 #include "simulation/messages.h"
 #include "simulation/robot/dual_arm.h"
 #include "simulation/simulator.h"
@@ -56,23 +57,11 @@ class SimulationNode {
   void run() {
     const Time start = config_.simulator.start;
     // By the wall clock, what took time until here counts.
-    const ros::WallTime wall_start = config_.publish_clock ? ros::WallTime::now() : wallTime(start);
-    ros::WallRate rate(500.0);
-    while (ros::ok()) {
-      const Duration elapsed((ros::WallTime::now() - wall_start).toNSec());
-      ros::spinOnce();
-      while (simulator_.now() < start + elapsed && ros::ok()) step();
-      if (config_.duration_s > 0.0 && elapsed > fromSeconds(config_.duration_s)) return;
-      rate.sleep();
-    }
+    const Time wall_start = config_.publish_clock ? wallNow() : start;
+    keepUp(simulator_, start, wall_start, fromSeconds(config_.duration_s), [this] { step(); });
   }
 
  private:
-  static ros::WallTime wallTime(Time time) {
-    const ros::Time stamp = toRos(time);
-    return {stamp.sec, stamp.nsec};
-  }
-
   void advertiseSensors(ros::NodeHandle& node) {
     const Simulator::Config& robot = config_.simulator;
     if (robot.has(SensorKind::kLaser)) scan_ = node.advertise<sensor_msgs::LaserScan>("scan", 10);
@@ -231,17 +220,14 @@ void loadControllers(const ros::NodeHandle& node, SimulationNode::Config& config
 SimulationNode::Config load(const ros::NodeHandle& node) {
   SimulationNode::Config config;
   Simulator::Config& s = config.simulator;
-  int seed = 1;
   std::string obstacle = "none";
   std::string obstacle_for = "collision";
   std::string tilt_fault = "none";
   ScanningHead::Schedule fault;
   std::string sensors = "laser";
   std::string camera = "chest";
-  int camera_width = 640;
   node.param("sensors", sensors, sensors);
   node.param("camera", camera, camera);
-  node.param("camera_width", camera_width, camera_width);
   node.param("scene", s.scene, s.scene);
   node.param("motion", s.motion, s.motion);
   node.param("obstacle", obstacle, obstacle);
@@ -253,29 +239,26 @@ SimulationNode::Config load(const ros::NodeHandle& node) {
   node.param("commanded_deceleration_rps2", s.commanded.deceleration_rps2,
              s.commanded.deceleration_rps2);
   loadControllers(node, config);
-  node.param("seed", seed, seed);
   node.param("noise_m", s.scanner.noise_m, s.scanner.noise_m);
   node.param("tilt_fault", tilt_fault, tilt_fault);
   node.param("tilt_fault_at_s", fault.at_s, fault.at_s);
   node.param("tilt_fault_for_s", fault.for_s, fault.for_s);
   node.param("duration_s", config.duration_s, config.duration_s);
   node.param("publish_clock", config.publish_clock, config.publish_clock);
-  requireInRange("seed", seed, 0.0, 2147483647.0);
-  requireInRange("camera_width", camera_width, 64.0, 1280.0);
   requireInRange("duration_s", config.duration_s, 0.0, 1e6);
-  s.seed = static_cast<std::uint64_t>(seed);
+  s.seed = seedOf(node);
   s.obstacle = obstacleKind(obstacle);
   s.purpose = obstaclePurpose(obstacle_for);
   s.sensors = sensorKinds(split(sensors));
   s.clouds.camera_mount = cameraMount(camera);
-  s.clouds.camera.pinhole = Pinhole::ofWidth(static_cast<std::size_t>(camera_width));
+  s.clouds.camera.pinhole = pinholeOf(node, 640);
   fault.fault = tiltFault(tilt_fault);
   if (fault.fault != TiltFault::kNone) s.head.faults.push_back(fault);
   if (!config.publish_clock) {
     if (!ros::Time::isSystemTime()) {
       throw ConfigError("publish_clock: must be true where use_sim_time is, for want of a clock");
     }
-    s.start = Time(Duration(static_cast<Duration::rep>(ros::WallTime::now().toNSec())));
+    s.start = wallNow();
   }
   return config;
 }

@@ -161,8 +161,7 @@ void SensorInput::appendCauses(const Question& question, std::vector<Cause>& cau
         {Reason::kBlind,
          lineOf("the self filter takes %.0f %% of what lies inside the area and below it, at most "
                 "%.0f %% are believed (self_filter_fraction_max); most of it for '%.100s': see "
-                "whether "
-                "it is described too large",
+                "whether it is described too large",
                 100.0 * *map_->self_share, 100.0 * share_max, self_link_.c_str()),
          self_link_},
         causes);

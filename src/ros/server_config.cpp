@@ -37,17 +37,6 @@ YAML::Node toYaml(XmlRpc::XmlRpcValue& value) {
   }
 }
 
-std::string readRobotDescription(const ros::NodeHandle& node) {
-  std::string key, urdf;
-  // A nodelet's node handle has an empty namespace at the root, in which nothing is found.
-  const std::string from = node.getNamespace().empty() ? "/" : node.getNamespace();
-  if (!ros::param::search(from, "robot_description", key) || !node.getParam(key, urdf) ||
-      urdf.empty()) {
-    throw ConfigError("robot_description: it is not on the parameter server, or is no text");
-  }
-  return urdf;
-}
-
 void tellProgress(std::size_t done, std::size_t all) {
   if (done == 0) ROS_INFO("Reading %zu meshes; those never seen before are fitted now.", all);
 }
@@ -87,6 +76,17 @@ std::string soundFile(const ros::NodeHandle& node) {
   return path;
 }
 
+std::string robotDescription(const ros::NodeHandle& node) {
+  std::string key, urdf;
+  // A nodelet's node handle has an empty namespace at the root, in which nothing is found.
+  const std::string from = node.getNamespace().empty() ? "/" : node.getNamespace();
+  if (!ros::param::search(from, "robot_description", key) || !node.getParam(key, urdf) ||
+      urdf.empty()) {
+    throw ConfigError("robot_description: it is not on the parameter server, or is no text");
+  }
+  return urdf;
+}
+
 ConfigError withLine(const ConfigError& error, const std::string& file) {
   if (file.empty()) return error;
   const std::string what = error.what();
@@ -113,7 +113,7 @@ std::shared_ptr<const RobotModel> sharedRobotModel(const ros::NodeHandle& node) 
   }
   const ros::NodeHandle section(found);
   const auto config = configFrom<RobotModel::Config>(section);
-  const std::string urdf = readRobotDescription(node);
+  const std::string urdf = robotDescription(node);
   const std::lock_guard<std::mutex> lock(mutex);
   std::weak_ptr<const RobotModel>& known = models[config.text() + urdf];
   if (auto model = known.lock()) return model;

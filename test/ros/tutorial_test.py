@@ -3,7 +3,6 @@
 place of the one that is fetched, without rviz, and programs by their path, as rosrun passes over a
 folder `build`."""
 
-import os
 import pathlib
 import signal
 import subprocess

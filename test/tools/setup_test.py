@@ -16,6 +16,7 @@ import unittest.mock
 
 import numpy
 import rosbag
+import rospy
 import yaml
 
 import standing_robot
@@ -100,6 +101,17 @@ class SetupTest(unittest.TestCase):
         self.assertGreater(summary["scans"], 300)
         self.assertLess(summary["stop_fraction"], 0.5)
         self.assertEqual(set(summary["sight"]["stop_by_reason"]), {"INIT"})
+
+    def test_patience_shortens_no_limit(self):
+        def late(topic, message):
+            if topic == "/joint_states":
+                message.header.stamp -= rospy.Duration(0, 350000000)
+            return [(topic, message)]
+        self.set_up(self.sound, "--patient")
+        checker = self.config()["collision_checker"]
+        self.assertEqual((checker["joint_timeout_s"], checker["scan_timeout_periods"]), (0.3, 10))
+        self.set_up(self.changed("late.bag", late), "--patient", status=1)  # tf has the tilt elsewhere
+        self.assertGreater(self.config()["collision_checker"]["joint_timeout_s"], 0.4)
 
     def test_two_runs_write_the_same(self):
         for out in ("one.yaml", "two.yaml"):

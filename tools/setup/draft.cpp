@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 #include <set>
+#include <tuple>
 
 #include "robot/kinematics.h"
 
@@ -301,14 +302,14 @@ MonitorConfig SetupDraft::trialSettings() const {
   return trial;
 }
 
-void SetupDraft::setTimes(const Lessons& lessons) {
-  const double timeout_s = roundedTo(kHeadroom * lessons.joint_age_s, 0.01);
-  if (timeout_s > 0.1) {
-    text_.set("collision_checker", "joint_timeout_s", timeout_s,
-              formatted("joint states were up to %.0f ms old", 1e3 * lessons.joint_age_s));
-  }
-  double most = 0.0;
-  std::string why;
+void SetupDraft::setTimes(const Lessons& lessons, bool is_patient) {
+  const std::string patience = "--patient: this computer pauses now and then";
+  double timeout_s = roundedTo(kHeadroom * lessons.joint_age_s, 0.01);
+  std::string why = formatted("joint states were up to %.0f ms old", 1e3 * lessons.joint_age_s);
+  if (is_patient && timeout_s <= 0.3) std::tie(timeout_s, why) = std::tuple(0.3, patience);
+  if (timeout_s > 0.1) text_.set("collision_checker", "joint_timeout_s", timeout_s, why);
+  double most = is_patient ? 10.0 : 0.0;
+  why = patience;
   for (std::size_t i = 0; model_ && i < sensors_.size(); ++i) {
     const double age_s = lessons.map_ages_s[i];
     const double periods = std::ceil(kHeadroom * age_s * sensors_[i].heard->rate());
@@ -317,6 +318,7 @@ void SetupDraft::setTimes(const Lessons& lessons) {
     why = formatted("%s was up to %.0f ms old", sensors_[i].heard->topic.c_str(), 1e3 * age_s);
   }
   if (most > 3.0) text_.set("collision_checker", "scan_timeout_periods", most, why);
+  if (is_patient) text_.set("collision_checker", "check_time_max_periods", 10.0, patience);
 }
 
 void SetupDraft::setFloor(const std::optional<Floor>& floor) {
@@ -331,13 +333,6 @@ void SetupDraft::setFloor(const std::optional<Floor>& floor) {
   }
 }
 
-void SetupDraft::bePatient() {
-  const std::string why = "--patient: this computer pauses now and then";
-  text_.set("collision_checker", "joint_timeout_s", 0.3, why);
-  text_.set("collision_checker", "scan_timeout_periods", 10.0, why);
-  text_.set("collision_checker", "check_time_max_periods", 10.0, why);
-}
-
 void SetupDraft::setGate(const std::vector<ArmController>& controllers) {
   const std::string ending = "_controller";
   std::string list;
@@ -347,14 +342,14 @@ void SetupDraft::setGate(const std::vector<ArmController>& controllers) {
     const bool ends = length > 0 && downstream.substr(length) == ending;
     const std::string name = ends ? downstream.substr(0, length) : downstream + "_gate";
     list +=
-        formatted("%s{name: %s, downstream: %s, stop_duration_s: %.3g}", list.empty() ? "" : ", ",
+        formatted("%s{name: %s, downstream: %s, stop_duration_s: %.10g}", list.empty() ? "" : ", ",
                   name.c_str(), downstream.c_str(), controller.stop_duration_s);
   }
   text_.set("trajectory_gate", "controllers", "[" + list + "]",
             "those that run; send goals to NAME/follow_joint_trajectory");
 }
 
-void SetupDraft::learn(const Lessons& lessons) {
+void SetupDraft::learn(const Lessons& lessons, bool is_patient) {
   for (std::size_t i = 0; i < sensors_.size(); ++i) {
     if (!lessons.tilt_periods_s[i]) continue;
     // Before a whole period is measured the window holds what came since the start.
@@ -371,7 +366,7 @@ void SetupDraft::learn(const Lessons& lessons) {
                        "where it looks, and to its frame");
   }
   setFloor(findFloor(lessons.points, bottom_m_));
-  setTimes(lessons);
+  setTimes(lessons, is_patient);
   if (hands_.empty()) return;
   std::vector<std::string> seen;
   for (const std::string& link : hands_) {

@@ -52,9 +52,8 @@ class SetupDraft {
   [[nodiscard]] MonitorConfig settings() const;
   /// The same for a run that is to teach something: all heights, and room for a long tilt.
   [[nodiscard]] MonitorConfig trialSettings() const;
-  void learn(const Lessons& lessons);
-  /// Limits of time for a computer that pauses now and then.
-  void bePatient();
+  /// @param is_patient limits of time are no shorter than suit a computer that pauses now and then.
+  void learn(const Lessons& lessons, bool is_patient);
   /// Puts the TrajectoryGate before them.
   void setGate(const std::vector<ArmController>& controllers);
 
@@ -66,7 +65,7 @@ class SetupDraft {
   void chooseArea();
   void chooseLinks();
   void chooseTimes();
-  void setTimes(const Lessons& lessons);
+  void setTimes(const Lessons& lessons, bool is_patient);
   void setFloor(const std::optional<Floor>& floor);
   [[nodiscard]] std::string sectionOf(const Sensor& sensor, const std::string& stage) const;
   [[nodiscard]] bool tilts(const Survey::Sensor& sensor) const;

@@ -154,8 +154,7 @@ class Setup {
       joint_states = settings.topics.joint_states;
     } else {
       if (draft.sensors().empty()) return tell({whyNoSensor(survey)});
-      draft.learn(learn(bag, draft));
-      if (options_.patient) draft.bePatient();
+      draft.learn(learn(bag, draft), options_.patient);
       if (options_.gate) draft.setGate(controllersBehindGate());
       for (const std::string& note : draft.notes()) std::cout << "note: " << note << '\n';
       settings = draft.settings();
