@@ -13,11 +13,12 @@
 #include "monitor_config.h"
 #include "program.h"
 #include "robot/kinematics.h"
+#include "robot_picture.h"
 
 namespace tccm {
 namespace {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 struct Options {
   std::string urdf;
@@ -64,27 +65,6 @@ RobotModel readModel(const Options& options) {
   return {readText(options.urdf, "the URDF"), readMonitorConfig(options.config).robot, resources};
 }
 
-Json jsonOf(const Pose& pose) {
-  Json rows = Json::array();
-  for (int row = 0; row < 3; ++row) {
-    rows.push_back({pose.matrix()(row, 0), pose.matrix()(row, 1), pose.matrix()(row, 2),
-                    pose.matrix()(row, 3)});
-  }
-  return rows;
-}
-
-struct SizeJson {
-  Json operator()(const Box& box) const {
-    const Vector3 size = 2.0 * box.half_extents;
-    return {{"size", {size.x(), size.y(), size.z()}}};
-  }
-  Json operator()(const Cylinder& c) const {
-    return {{"radius", c.radius}, {"length", 2.0 * c.half_length}};
-  }
-  Json operator()(const Capsule& c) const { return (*this)(Cylinder{c.radius, c.half_length}); }
-  Json operator()(const Sphere& s) const { return {{"radius", s.radius}}; }
-};
-
 /// Every joint at 0, or at the end of its range that is nearest to it.
 std::vector<double> restingPositions(const RobotModel& model) {
   std::vector<double> positions;
@@ -114,23 +94,8 @@ Json sceneOf(const Options& options, const RobotModel& model) {
     }
     scene["meshes"].push_back({{"vertices", vertices}, {"triangles", mesh.triangles}});
   }
-  for (std::size_t i = 0; i < model.shapes().size(); ++i) {
-    Json primitive = std::visit(SizeJson{}, model.shapes()[i].shape);
-    primitive["shape"] = name(model.shapes()[i].shape);
-    primitive["pose"] = jsonOf(kinematics.shapePoses()[i]);
-    scene["primitives"].push_back(primitive);
-  }
+  scene["primitives"] = primitivesJson(model, kinematics.shapePoses());
   return scene;
-}
-
-/// @throws InputError where it could not be drawn.
-void draw(const Options& options, const RobotModel& model, const std::string& picture) {
-  const std::string scene = picture + ".json";
-  writeText(scene, sceneOf(options, model).dump());
-  const bool drawn = runScript("draw_primitives", {scene, picture});
-  std::error_code ignored;
-  std::filesystem::remove(scene, ignored);
-  if (!drawn) throw InputError("the picture " + picture + " could not be drawn");
 }
 
 int fit(Options& options) {
@@ -152,7 +117,7 @@ int fit(Options& options) {
         options.picture.empty()
             ? std::filesystem::path(options.out).replace_extension(".png").string()
             : options.picture;
-    draw(options, model, picture);
+    drawPrimitives(sceneOf(options, model), picture);
     std::printf("written  %s\n", picture.c_str());
   }
   const double overhang_mm = 1e3 * totalsOf(model).overhang_m;

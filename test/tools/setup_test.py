@@ -102,6 +102,31 @@ class SetupTest(unittest.TestCase):
         self.assertLess(summary["stop_fraction"], 0.5)
         self.assertEqual(set(summary["sight"]["stop_by_reason"]), {"INIT"})
 
+    def moved(self, link, offset):
+        """@return the robot with a link's shape elsewhere, by so much [m] along its y axis."""
+        text = URDF.read_text()
+        begin = text.index(f'<link name="{link}">')
+        end = text.index("</link>", begin)
+        part = text[begin:end].replace('<collision><origin xyz="0 0 ', f'<collision><origin xyz="0 {offset} ')
+        self.assertNotEqual(part, text[begin:end])
+        urdf = self.folder / "moved.urdf"
+        urdf.write_text(text[:begin] + part + text[end:])
+        return urdf
+
+    def test_a_model_that_is_off_is_told_with_a_picture(self):
+        self.assertNotIn("self_filter_exceptions", (self.set_up(self.sound), self.config())[1]["tilt_scan_assembler"])
+        self.assertIn("% on the robot", (self.folder / "robot.yaml").read_text())
+        off = self.set_up(self.sound, urdf=self.moved("right_elbow_link", -0.04), status=1)
+        self.assertIn("the model is off by up to ", off[0])
+        self.assertIn("right_elbow_link (", off[0])
+        self.assertGreater((self.folder / "robot.model.png").stat().st_size, 20000)
+
+    def test_padding_grows_a_little_where_the_robot_lies_outside_of_its_model(self):
+        self.assertEqual(self.set_up(self.sound, urdf=self.moved("right_elbow_link", 0.03)), [])
+        exceptions = self.config()["tilt_scan_assembler"]["self_filter_exceptions"]
+        self.assertIn("right_elbow_link", [entry["links"][0] for entry in exceptions])
+        self.assertTrue(all(0.03 <= entry["padding_m"] <= 0.035 for entry in exceptions))
+
     def test_patience_shortens_no_limit(self):
         def late(topic, message):
             if topic == "/joint_states":

@@ -11,17 +11,15 @@
 namespace tccm {
 namespace {
 
-constexpr double kTiltMin = 0.1;       // [rad] from which on a laser tilts
-constexpr int kPoses = 2000;           // that the arms' reach is taken from
-constexpr double kAreaMargin = 0.1;    // [m]
-constexpr double kAround = 0.5;        // [m] around a robot without arms
-constexpr double kAreaStep = 0.05;     // [m]
-constexpr double kAreaMax = 4.0;       // [m]
-constexpr double kFloorMargin = 0.02;  // [m]
-constexpr double kVisibleMin = 0.6;    // of a silhouette: a link that sensors see
-constexpr std::size_t kArmJoints = 3;  // a link that so many joints move is one of an arm
-constexpr std::size_t kSensorsMax = 4;
-constexpr double kHeadroom = 1.3;  // limits are so much above what was heard
+constexpr int kPoses = 2000;                // that the arms' reach is taken from
+constexpr double kAreaMargin = 0.1;         // [m]
+constexpr double kAround = 0.5;             // [m] around a robot without arms
+constexpr double kAreaStep = 0.05;          // [m]
+constexpr double kAreaMax = 4.0;            // [m]
+constexpr double kFloorMargin = 0.02;       // [m]
+constexpr double kVisibleMin = 0.6;         // of a silhouette: a link that sensors see
+constexpr std::size_t kArmJoints = 3;       // a link that so many joints move is one of an arm
+constexpr double kPaddingRaisedTo = 0.035;  // [m]; more hides hands, and is a model that is off
 
 /// By how many joints that move each link is moved.
 std::vector<std::size_t> depthsOf(const RobotModel& model) {
@@ -60,7 +58,6 @@ double somewhere(const JointVariable& variable, bool slides, std::mt19937& rando
   return lower + share * std::max(0.0, upper - lower);
 }
 
-double roundedTo(double value, double step) { return step * std::ceil(value / step - 1e-9); }
 double roundedDown(double metres) { return kAreaStep * std::floor(metres / kAreaStep + 1e-9); }
 double roundedUp(double metres) { return roundedTo(metres, kAreaStep); }
 
@@ -98,102 +95,6 @@ void SetupDraft::chooseFixedFrame() {
                                  survey_.frames.at(moving.front()).travel_m,
                                  survey_.frames.at(moving.front()).turn_rad);
   text_.set("collision_checker", "fixed_frame", fixed_frame_, why);
-}
-
-bool SetupDraft::tilts(const Survey::Sensor& sensor) const {
-  const std::vector<std::string> of_base = survey_.upFrom(base_frame_);
-  const std::vector<std::string> moving = survey_.movingBelow(*sensor.frames.begin(), "");
-  return std::any_of(moving.begin(), moving.end(), [&](const std::string& name) {
-    const bool is_of_base = std::find(of_base.begin(), of_base.end(), name) != of_base.end();
-    return !is_of_base && survey_.frames.at(name).turn_rad > kTiltMin;
-  });
-}
-
-void SetupDraft::chooseSensors() {
-  std::set<std::string> cloud_frames;
-  for (const Survey::Sensor& sensor : survey_.sensors) {
-    const bool is_new = !sensor.is_cloud || cloud_frames.insert(*sensor.frames.begin()).second;
-    if (!is_new || sensors_.size() == kSensorsMax) {
-      text_.remark("Left out: " + sensor.topic +
-                   (is_new ? ": there are others enough" : ": another topic has the same frame"));
-    } else if (sensor.is_cloud || tilts(sensor)) {
-      sensors_.push_back({"", &sensor});
-    } else {
-      text_.remark("Left out: " + sensor.topic + ": this laser does not tilt, and sees one plane");
-    }
-  }
-  const bool is_alone = sensors_.size() == 1 && !sensors_.front().heard->is_cloud;
-  std::set<std::string> names;
-  std::string list;
-  for (Sensor& sensor : sensors_) {
-    if (!is_alone) {
-      const std::vector<std::string> parts = partsOf(sensor.heard->topic);
-      std::string name = sensor.heard->is_cloud ? parts.front() : parts.back();
-      while (!names.insert(name).second) name += "_2";
-      sensor.name = name;
-      list += (list.empty() ? "{name: " : ", {name: ") + name + "}";
-    }
-    configure(sensor);
-  }
-  if (!list.empty()) text_.set("collision_checker", "sensors", "[" + list + "]", "");
-}
-
-std::string SetupDraft::sectionOf(const Sensor& sensor, const std::string& stage) const {
-  return sensor.name.empty() ? stage : sensor.name + "/" + stage;
-}
-
-void SetupDraft::configure(const Sensor& sensor) {
-  const Survey::Sensor& heard = *sensor.heard;
-  const std::string stage =
-      heard.is_cloud ? SensorConfig::kCloudAssembler : SensorConfig::kScanAssembler;
-  const std::string assembler = sectionOf(sensor, stage);
-  const std::string mapper = sectionOf(sensor, SensorConfig::kMapper);
-  const std::string why = formatted("%zu messages, %.3g a second, in '%s'", heard.messages,
-                                    heard.rate(), heard.frames.begin()->c_str());
-  if (sensor.name.empty()) {
-    text_.set("topics", "scan", heard.topic, why);
-  } else {
-    text_.set(sensor.name, "topic", heard.topic, why);
-  }
-  text_.set(assembler, "fixed_frame", fixed_frame_, "");
-  if (!model_) text_.set(assembler, "self_filter", "false", "no robot is known");
-  if (heard.is_cloud) configureCloud(sensor);
-  if (!heard.is_cloud && heard.points_max > 4096) {
-    text_.set(assembler, "scan_beams_max", static_cast<double>(heard.points_max), "");
-  }
-  double gap_s = 0.0;
-  for (const std::string& name : survey_.movingBelow(*heard.frames.begin(), fixed_frame_)) {
-    gap_s = std::max(gap_s, survey_.frames.at(name).longestGap(kGapMax));
-  }
-  if (kHeadroom * gap_s > 0.1) {
-    text_.set(assembler, "transform_gap_max_s", roundedTo(kHeadroom * gap_s, 0.01),
-              formatted("transforms were silent for up to %.0f ms", 1e3 * gap_s));
-  }
-  const double longest_s = heard.longestGap(kPeriodsMax / std::max(1.0, heard.rate()));
-  const double scan_gap_s = kHeadroom * longest_s;
-  const std::string gap_why = formatted("scans were silent for up to %.0f ms", 1e3 * longest_s);
-  if (scan_gap_s > 0.25) text_.set(mapper, "scan_gap_max_s", roundedTo(scan_gap_s, 0.01), gap_why);
-}
-
-void SetupDraft::configureCloud(const Sensor& sensor) {
-  constexpr std::size_t kCameraRows = 200;
-  const Survey::Sensor& heard = *sensor.heard;
-  const std::string assembler = sectionOf(sensor, SensorConfig::kCloudAssembler);
-  const std::string mapper = sectionOf(sensor, SensorConfig::kMapper);
-  if (heard.points_max > 400000) {
-    text_.set(assembler, "cloud_points_max", static_cast<double>(heard.points_max), "");
-  }
-  if (heard.rows_max >= kCameraRows) {
-    text_.set(mapper, "hold_support_points", "4", "a camera's flying pixels must not gather");
-  } else {
-    text_.set(assembler, "range_max_m", "10.0", "taken for a lidar, as it has few rows");
-    text_.set(assembler, "range_noise_m", "0.03", "");
-    text_.set(assembler, "range_noise_per_m2", "0.0", "");
-    text_.set(assembler, "look_block_rad", "0.035", "");
-  }
-  const double rate = std::max(1.0, heard.rate());
-  text_.set(mapper, "window_s", std::max(0.3, std::ceil(50.0 / rate) / 10.0),
-            "five clouds or more");
 }
 
 void SetupDraft::chooseArea() {
@@ -349,7 +250,47 @@ void SetupDraft::setGate(const std::vector<ArmController>& controllers) {
             "those that run; send goals to NAME/follow_joint_trajectory");
 }
 
+bool SetupDraft::learnModel(const OwnReturns& own) {
+  const double padding_m = BodySampler::Config().filtered.expansion.padding_m;
+  std::string exceptions, why, apart;
+  double worst_m = 0.0;
+  std::set<std::string> arms;  // what else there is stands on and beside things
+  for (const std::size_t link : linksFrom(*model_, kArmJoints)) arms.insert(model_->links()[link]);
+  for (const OwnReturns::OfLink& link : own.links()) {
+    if (link.reach_m <= padding_m || arms.count(link.link) == 0) continue;
+    const double needed_m = link.reach_m + 0.005;
+    if (link.is_apart || needed_m > kPaddingRaisedTo) {
+      worst_m = std::max(worst_m, link.is_apart ? link.median_m : link.reach_m);
+      apart += formatted("%s%s (%.0f mm)", apart.empty() ? "" : ", ", link.link.c_str(),
+                         1e3 * (link.is_apart ? link.median_m : link.reach_m));
+      continue;
+    }
+    exceptions += formatted("%s{links: [%s], scale: 1.0, padding_m: %.3f}",
+                            exceptions.empty() ? "" : ", ", link.link.c_str(), needed_m);
+    why += formatted("%s%s %.0f mm",
+                     why.empty() ? "its own returns lie outside of the model by: " : ", ",
+                     link.link.c_str(), 1e3 * link.reach_m);
+  }
+  for (const Sensor& sensor : sensors_) {
+    if (exceptions.empty() || !apart.empty()) break;
+    text_.set(sectionOf(sensor, sensor.heard->is_cloud ? SensorConfig::kCloudAssembler
+                                                       : SensorConfig::kScanAssembler),
+              "self_filter_exceptions", "[" + exceptions + "]", why);
+  }
+  if (apart.empty()) return true;
+  defects_.push_back(
+      formatted("the model is off by up to %.0f mm: returns lie outside of %s; correct the shapes, "
+                "the joints' zeros or the sensor's frame, or take away what stands so near",
+                1e3 * worst_m, apart.c_str()));
+  return false;
+}
+
 void SetupDraft::learn(const Lessons& lessons, bool is_patient) {
+  for (std::size_t i = 0; i < sensors_.size(); ++i) {
+    std::string what = whatOf(*sensors_[i].heard);
+    if (model_) what += formatted("; %.0f %% on the robot", 100.0 * lessons.robot_shares[i]);
+    setTopic(sensors_[i], what);
+  }
   for (std::size_t i = 0; i < sensors_.size(); ++i) {
     if (!lessons.tilt_periods_s[i]) continue;
     // Before a whole period is measured the window holds what came since the start.

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <map>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -8,24 +8,19 @@
 
 #include "config_draft.h"
 #include "floor.h"
+#include "lessons.h"
 #include "listener.h"
 #include "monitor_config.h"
+#include "own_returns.h"
 #include "survey.h"
 #include "tccm_monitor/robot_model.h"
 
 namespace tccm {
 
-/// What a first run through the monitor shows of a robot and its surroundings.
-struct Lessons {
-  std::vector<std::optional<double>> tilt_periods_s;  ///< by sensor
-  std::vector<Vector3> points;                        ///< in the fixed frame, the robot's left out
-  double joint_age_s = 0.0;        ///< the largest of a check, but for those that are faults
-  std::vector<double> map_ages_s;  ///< likewise, by sensor
-  /// Mean visible fraction of links watched for occlusion, where they are large enough to tell.
-  std::map<std::string, double> visible;
-  /// By sensor: points inside the area or on the floor below it, the robot's left out.
-  std::vector<std::size_t> points_in_area;
-};
+constexpr double kHeadroom = 1.3;  ///< limits are so much above what was heard
+
+/// Upwards.
+inline double roundedTo(double value, double step) { return step * std::ceil(value / step - 1e-9); }
 
 /// A configuration for a robot of which a survey is known.
 class SetupDraft {
@@ -54,6 +49,8 @@ class SetupDraft {
   [[nodiscard]] MonitorConfig trialSettings() const;
   /// @param is_patient limits of time are no shorter than suit a computer that pauses now and then.
   void learn(const Lessons& lessons, bool is_patient);
+  /// The self filter's padding. @return false where the model is not what was seen: then a defect.
+  bool learnModel(const OwnReturns& own);
   /// Puts the TrajectoryGate before them.
   void setGate(const std::vector<ArmController>& controllers);
 
@@ -61,7 +58,11 @@ class SetupDraft {
   void chooseFixedFrame();
   void chooseSensors();
   void configure(const Sensor& sensor);
+  /// What of a sensor was heard, for people.
+  [[nodiscard]] static std::string whatOf(const Survey::Sensor& heard);
   void configureCloud(const Sensor& sensor);
+  void setTopic(const Sensor& sensor, const std::string& why);
+  void setNoise(const Sensor& sensor);
   void chooseArea();
   void chooseLinks();
   void chooseTimes();

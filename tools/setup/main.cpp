@@ -5,6 +5,7 @@
 #include <ros/param.h>
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -13,10 +14,10 @@
 
 #include "draft.h"
 #include "findings.h"
+#include "lessons.h"
 #include "listener.h"
 #include "survey.h"
 #include "tccm_monitor/config_error.h"
-#include "tools/bag_stream.h"
 #include "tools/evaluation.h"
 #include "tools/program.h"
 
@@ -81,21 +82,6 @@ std::string whyNoSensor(const Survey& survey) {
          "has the tilt, or use a camera or lidar";
 }
 
-/// Of those that are no fault.
-void noteLargest(double age_s, double at_most_s, double& largest_s) {
-  if (age_s <= at_most_s) largest_s = std::max(largest_s, age_s);
-}
-
-/// Of all sensors that the settings name.
-std::unique_ptr<BagStream> streamOf(const std::string& bag, const MonitorConfig& settings,
-                                    const std::string& joint_states) {
-  BagStream::Topics topics{{}, joint_states, false};
-  for (const SensorConfig& sensor : settings.sensors()) {
-    topics.sensors.push_back({sensor.topic, sensor.cloud_assembler.has_value()});
-  }
-  return std::make_unique<BagStream>(bag, topics);
-}
-
 class Setup {
  public:
   explicit Setup(const Options& options) : options_(options) {}
@@ -147,6 +133,7 @@ class Setup {
     if (survey.sensors.empty()) return tell({"no scans and no clouds came"});
     if (!model_) std::cout << "note: no robot is named, so that nothing is checked\n";
     SetupDraft draft(survey, model_);
+    const HeardRobot robot{bag, model_};
     std::string joint_states = draft.jointTopic();
     MonitorConfig settings;
     if (given_) {
@@ -154,7 +141,8 @@ class Setup {
       joint_states = settings.topics.joint_states;
     } else {
       if (draft.sensors().empty()) return tell({whyNoSensor(survey)});
-      draft.learn(learn(bag, draft), options_.patient);
+      draft.learn(learn(robot, draft), options_.patient);
+      if (model_) compareWithModel(robot, draft);
       if (options_.gate) draft.setGate(controllersBehindGate());
       for (const std::string& note : draft.notes()) std::cout << "note: " << note << '\n';
       settings = draft.settings();
@@ -162,10 +150,19 @@ class Setup {
     }
     settings.checker.checker.permission.hold_until_reset = false;  // each fault is to be seen
     Evaluation evaluation(settings, model_, {});
-    play(*streamOf(bag, settings, joint_states), evaluation, progressBar());
+    robot.play(settings, joint_states, evaluation);
     if (!options_.check && !given_) std::cout << "written  " << options_.out << '\n';
     const std::vector<std::string> findings = findingsOf(evaluation, settings);
     return tell(findings.empty() ? draft.defects() : findings);  // which may follow from those
+  }
+
+  void compareWithModel(const HeardRobot& robot, SetupDraft& draft) const {
+    const OwnReturns own = measureOwnReturns(robot, draft);
+    if (draft.learnModel(own) || options_.check) return;
+    const std::string picture =
+        std::filesystem::path(options_.out).replace_extension(".model.png").string();
+    drawOwnReturns(*model_, own, picture);
+    std::cout << "picture  " << picture << '\n';
   }
 
   static std::vector<ArmController> controllersBehindGate() {
@@ -174,56 +171,6 @@ class Setup {
     throw InputError(
         "--gate: no controller runs that has the action follow_joint_trajectory and its joints on "
         "the parameter server");
-  }
-
-  Lessons learn(const std::string& bag, const SetupDraft& draft) const {
-    constexpr std::size_t kPointsMax = 400000;
-    constexpr std::size_t kEvery = 7;  // that a cloud's points are thinned to
-    const MonitorConfig settings = draft.trialSettings();
-    Lessons lessons;
-    std::map<std::string, std::pair<double, std::size_t>> visible;
-    Evaluation::Observer observer;
-    std::size_t count = 0;
-    const std::size_t sensors = draft.sensors().size();
-    lessons.map_ages_s.resize(sensors, 0.0);
-    std::vector<std::optional<Time>> newest(sensors);
-    observer.mapped = [&](const Monitor& monitor, std::size_t sensor) {
-      newest[sensor] = monitor.map(sensor)->stamp;
-      for (const Vector3& p : monitor.returns(sensor).points) {
-        if (++count % kEvery == 0 && lessons.points.size() < kPointsMax)
-          lessons.points.push_back(p);
-      }
-    };
-    observer.checked = [&](const Verdict& verdict, const Checker& checker) {
-      noteLargest(toSeconds(verdict.stamp - verdict.joints_stamp), SetupDraft::kGapMax,
-                  lessons.joint_age_s);
-      for (std::size_t i = 0; i < sensors; ++i) {
-        if (!newest[i]) continue;
-        const double rate = std::max(1.0, draft.sensors()[i].heard->rate());
-        noteLargest(toSeconds(verdict.stamp - *newest[i]), SetupDraft::kPeriodsMax / rate,
-                    lessons.map_ages_s[i]);
-      }
-      if (!verdict.placed || !verdict.known) return;
-      for (const LinkVisibility& link : verdict.now.links) {
-        if (link.silhouette < settings.checker.checker.pose.occlusion.silhouette_min_pixels)
-          continue;
-        auto& [sum, times] = visible[checker.model()->links()[link.link]];
-        sum += link.visible_fraction;
-        ++times;
-      }
-    };
-    Evaluation evaluation(settings, model_, observer);
-    play(*streamOf(bag, settings, draft.jointTopic()), evaluation, progressBar());
-    for (const auto& [link, of_link] : visible) {
-      lessons.visible[link] = of_link.first / static_cast<double>(of_link.second);
-    }
-    for (std::size_t i = 0; i < draft.sensors().size(); ++i) {
-      lessons.points_in_area.push_back(evaluation.totals().sensors[i].points_mapped);
-      const auto period = evaluation.monitor().mapper(i).tiltPeriod();
-      lessons.tilt_periods_s.push_back(period ? std::optional<double>(toSeconds(*period))
-                                              : std::nullopt);
-    }
-    return lessons;
   }
 
   const Options& options_;

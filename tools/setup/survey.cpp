@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/frame_name.h"
+#include "ros/cloud_reader.h"
 #include "ros/conversions.h"
 #include "tools/bag_stream.h"
 
@@ -25,6 +27,11 @@ Survey::Sensor& sensorOf(Survey& survey, const std::string& topic, bool is_cloud
   return sensor;
 }
 
+void noteRange(double range_m, Survey::Sensor& sensor) {
+  sensor.nearest_m = std::min(sensor.nearest_m, range_m);
+  sensor.furthest_m = std::max(sensor.furthest_m, range_m);
+}
+
 void add(const sensor_msgs::LaserScan& scan, const std::string& topic, const std::string& publisher,
          Survey& survey) {
   Survey::Sensor& sensor = sensorOf(survey, topic, false);
@@ -32,6 +39,29 @@ void add(const sensor_msgs::LaserScan& scan, const std::string& topic, const std
   sensor.frames.insert(withoutSlash(scan.header.frame_id));
   sensor.points_max = std::max(sensor.points_max, scan.ranges.size());
   sensor.range_max_m = std::max(sensor.range_max_m, static_cast<double>(scan.range_max));
+  for (const float range : scan.ranges) {
+    if (range >= scan.range_min && range < scan.range_max) noteRange(range, sensor);
+  }
+}
+
+/// Ranges of some pixels of the first clouds, and how they change.
+void noteRanges(const sensor_msgs::PointCloud2& message, Survey::Sensor& sensor) {
+  constexpr std::size_t kClouds = 60, kPixels = 1000;
+  Cloud cloud;
+  if (sensor.messages > kClouds || !CloudReader({10000000, 1.0}).read(message, cloud).empty())
+    return;
+  std::vector<float> ranges;
+  for (std::size_t i = 0; i < cloud.points.size(); i += cloud.points.size() / kPixels + 1) {
+    const bool is_measured = isMeasured(cloud.points[i]);
+    ranges.push_back(is_measured ? cloud.points[i].norm() : NAN);
+    if (is_measured) noteRange(ranges.back(), sensor);
+  }
+  const std::vector<float>& last = sensor.last_ranges_m;
+  for (std::size_t i = 0; cloud.organised() && i < std::min(ranges.size(), last.size()); ++i) {
+    const float change = ranges[i] - last[i];
+    if (std::isfinite(change)) sensor.changes.push_back({ranges[i], std::abs(change)});
+  }
+  sensor.last_ranges_m = std::move(ranges);
 }
 
 void add(const sensor_msgs::PointCloud2& cloud, const std::string& topic,
@@ -42,6 +72,7 @@ void add(const sensor_msgs::PointCloud2& cloud, const std::string& topic,
   sensor.rows_max = std::max<std::size_t>(sensor.rows_max, cloud.height);
   const std::size_t points = static_cast<std::size_t>(cloud.width) * cloud.height;
   sensor.points_max = std::max(sensor.points_max, points);
+  noteRanges(cloud, sensor);
 }
 
 void add(const sensor_msgs::JointState& states, const std::string& topic,
@@ -93,6 +124,22 @@ double Survey::Stream::longestGap(double at_most_s) const {
 double Survey::Stream::rate() const {
   const double seconds = toSeconds(last - first);
   return seconds > 0.0 ? static_cast<double>(messages - 1) / seconds : 0.0;
+}
+
+std::optional<Survey::Sensor::Noise> Survey::Sensor::noise() const {
+  constexpr std::size_t kChangesMin = 1000;
+  constexpr double kMedianToDeviation = 1.4826;  // of a normal distribution
+  if (changes.size() < kChangesMin) return std::nullopt;
+  const auto medianOf = [this](float Change::*member) {
+    std::vector<float> values;
+    for (const Change& change : changes) values.push_back(change.*member);
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return static_cast<double>(*middle);
+  };
+  // Of the difference of two ranges.
+  const double deviation_m = medianOf(&Change::by_m) * kMedianToDeviation / std::sqrt(2.0);
+  return Noise{deviation_m, medianOf(&Change::range_m)};
 }
 
 std::vector<std::string> Survey::upFrom(const std::string& frame) const {

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -30,10 +31,24 @@ struct Survey {
   struct Sensor : Stream {
     std::string topic;
     bool is_cloud = false;
-    std::size_t rows_max = 0;      ///< of a cloud
-    std::set<std::string> frames;  ///< without slashes
-    std::size_t points_max = 0;    ///< or beams
-    double range_max_m = 0.0;      ///< as a scan states it
+    std::size_t rows_max = 0;                                    ///< of a cloud
+    std::set<std::string> frames;                                ///< without slashes
+    std::size_t points_max = 0;                                  ///< or beams
+    double range_max_m = 0.0;                                    ///< as a scan states it
+    double nearest_m = std::numeric_limits<double>::infinity();  ///< that was measured
+    double furthest_m = 0.0;
+    std::vector<float> last_ranges_m;  ///< of some pixels of a cloud with rows
+    struct Change {
+      float range_m, by_m;
+    };
+    std::vector<Change> changes;  ///< of those from cloud to cloud
+
+    struct Noise {
+      double deviation_m;  ///< standard deviation of a range
+      double range_m;      ///< at this, the median
+    };
+    /// Of a camera or lidar that stands still; nothing where that cannot be told.
+    [[nodiscard]] std::optional<Noise> noise() const;
   };
   struct Joint : Stream {
     double lowest = std::numeric_limits<double>::infinity();
