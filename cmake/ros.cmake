@@ -15,9 +15,9 @@ include(cmake/moveit_msgs.cmake)
 include(cmake/rviz.cmake)
 
 add_message_files(FILES
-  AttachedObject.msg AttachedObjects.msg CloudScan.msg Cuboid.msg CuboidFlag.msg CuboidMap.msg Exemption.msg
-  LinkStatus.msg Looks.msg MonitorStatus.msg MotionPermission.msg Primitive.msg ScanReport.msg
-  ScanTrace.msg)
+  AttachedObject.msg AttachedObjects.msg CheckerCall.msg CheckerState.msg CloudScan.msg Cuboid.msg CuboidFlag.msg
+  CuboidMap.msg CuboidMapChange.msg Exemption.msg KeepOutRegion.msg LinkStatus.msg Looks.msg
+  MonitorStatus.msg MotionPermission.msg Primitive.msg ScanReport.msg ScanTrace.msg)
 add_service_files(FILES
   AddExemption.srv AttachObject.srv CheckState.srv CheckTrajectory.srv DetachObject.srv
   GetCuboidMap.srv LiftExemption.srv ListExemptions.srv ReportGoal.srv

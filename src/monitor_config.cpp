@@ -58,6 +58,16 @@ void MapperConfig::describe(ParameterTable& table) {
             "cuboids with this `dyn` or more are shown as static");
 }
 
+void StopsConfig::describe(ParameterTable& table) {
+  table.add("stops_folder", &folder,
+            "where the last seconds before each stop are written as a bag, for `evaluate --stop`; "
+            "empty: none is, and nothing is kept");
+  table.add("stops_max", &bags_max, "bags", {1.0, 1e6},
+            "so many are kept there; the oldest is deleted");
+  table.add("stops_memory_mb", &memory_mb, "MB", {8.0, 4096.0},
+            "for what is kept until a stop; a bag has at most half as much");
+}
+
 void CheckerConfig::describe(ParameterTable& table) {
   table.add("fixed_frame", &fixed_frame, "as in `tilt_scan_assembler`");
   checker.describe(table);
@@ -78,6 +88,7 @@ void CheckerConfig::describe(ParameterTable& table) {
             "nor `stop_time_s` below this");
   table.add("marker_rate_hz", &marker_rate_hz, "Hz", kMarkerRates, "of `robot_markers`");
   table.add("export_rate_hz", &export_rate_hz, "Hz", {0.1, 100.0}, "of `occupied_points`");
+  stops.describe(table);
 }
 
 void CheckerConfig::validate() const {

@@ -66,6 +66,15 @@ struct MapperConfig {
   void validate() const { mapper.validate(); }
 };
 
+/// What is kept of stops.
+struct StopsConfig {
+  std::string folder;
+  int bags_max = 20;
+  double memory_mb = 64.0;
+
+  void describe(ParameterTable& table);
+};
+
 struct CheckerConfig {
   std::string fixed_frame = "base_link";
   Checker::Config checker;
@@ -78,6 +87,7 @@ struct CheckerConfig {
   double export_rate_hz = 5.0;
   double attach_forget_padding_m = 0.08;
   double attach_forget_s = 0.2;
+  StopsConfig stops;
 
   void describe(ParameterTable& table);
   /// @throws ConfigError

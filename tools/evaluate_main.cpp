@@ -10,12 +10,15 @@
 #include "evaluation.h"
 #include "program.h"
 #include "report.h"
+#include "report_figures.h"
+#include "stops/stop_replay.h"
 
 namespace tccm {
 namespace {
 
 struct Options {
   std::string bag;
+  std::string stop;
   std::string clouds;
   double cloud_rate_hz = 30.0;
   std::vector<double> sensor_pose;
@@ -48,16 +51,18 @@ void describe(CLI::App& app, Options& options) {
                  "without it each file's VIEWPOINT counts")
       ->expected(6)
       ->needs(clouds);
+  auto* stop = app.add_option("--stop", options.stop,
+                              "bag of a stop, as the checker writes it: says whether it stops "
+                              "again, for the same reason");
   auto* urdf =
       app.add_option("--urdf", options.urdf, "the robot that is filtered out of scans and checked");
   auto* source = app.add_option_group("recording");
-  source->add_options(bag, clouds);
+  source->add_options(bag, clouds, stop);
   source->require_option(1);
   clouds->excludes(urdf);
   app.add_option("--config", options.config,
                  "YAML with topics and the nodelets' parameters; defaults where it says nothing");
-  app.add_option("--out", options.out, "folder for summary.json; made where it is not there")
-      ->required();
+  app.add_option("--out", options.out, "folder for summary.json; made where it is not there");
   app.add_option("--package-path", options.package_path,
                  "folder with a robot's packages: package://P/x is DIR/P/x where P is there, and "
                  "is looked for among the ROS packages elsewhere");
@@ -73,6 +78,15 @@ void describe(CLI::App& app, Options& options) {
                  "CSV of what was seen of each watched link in each check: "
                  "stamp,scan,link,ahead,visible,occluded,unseen,way_unseen,evidence_age_s,"
                  "next_look_s; the stamp is the check's");
+}
+
+/// @throws InputError
+StopReplay replayStopIn(const std::string& path) {
+  try {
+    return replayStop(path);
+  } catch (const std::exception& error) {
+    throw InputError(path + ": " + error.what());
+  }
 }
 
 /// Nothing where no robot is asked for.
@@ -167,7 +181,26 @@ std::unique_ptr<Recording> openRecording(const Options& options, const MonitorCo
   return std::make_unique<BagStream>(options.bag, topics);
 }
 
+/// @return the exit status.
+int replay(const std::string& path) {
+  const StopReplay replay = replayStopIn(path);
+  const auto textOf = [](const StopReplay::Found& found) {
+    return std::string(found.stop ? "STOP " : "no stop: ") + found.reason +
+           (found.link.empty() ? "" : " of '" + found.link + "'") +
+           (found.detail.empty() ? "" : ": " + found.detail);
+  };
+  std::cout << formatted("stop     at %s, %.1f s and %zu checks before it\nrecorded ",
+                         stampText(replay.recorded.stamp).c_str(), replay.seconds, replay.checks)
+            << textOf(replay.recorded) << "\nreplayed " << textOf(replay.replayed) << '\n';
+  const bool is_same = replay.recorded == replay.replayed;
+  std::cout << (is_same ? "the same verdict" : "NOT the same verdict") << "; of all checks "
+            << replay.same << " of " << replay.checks << " found the same" << std::endl;
+  return is_same ? kDone : kLimitMissed;
+}
+
 int evaluate(Options& options) {
+  if (!options.stop.empty()) return replay(options.stop);
+  if (options.out.empty()) throw InputError("--out is required");
   const MonitorConfig settings = readMonitorConfig(options.config);
   const auto model = readModel(options, settings);
   const auto recording = openRecording(options, settings);

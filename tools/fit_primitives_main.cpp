@@ -8,11 +8,11 @@
 
 #include "fit/primitives_file.h"
 #include "fit_table.h"
-#include "link_primitives.h"
 #include "mesh/mesh.h"
 #include "monitor_config.h"
 #include "program.h"
 #include "robot/kinematics.h"
+#include "robot/link_primitives.h"
 #include "robot_picture.h"
 
 namespace tccm {

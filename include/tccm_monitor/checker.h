@@ -62,6 +62,7 @@ class Checker {
   /// How long verdicts take, measured, from the moment when scan and transforms are there to the
   /// publication: margins grow with it.
   void setLatency(double seconds);
+  [[nodiscard]] double latency() const;
   /// What the caller knows to be wrong or unknown, until it says otherwise; CLEAR: nothing.
   void setOutsideCause(const Cause& cause);
 
@@ -121,6 +122,9 @@ class Checker {
   /// The same of a whole way, between the waypoints as well.
   [[nodiscard]] TrajectoryAnswer checkTrajectory(Time now, const JointTrajectory& trajectory);
 
+  /// Grows where what the checker goes by changes: limits, what the robot holds or may touch, and
+  /// regions.
+  [[nodiscard]] std::size_t revision() const;
   /// With what it holds.
   [[nodiscard]] const std::shared_ptr<const RobotModel>& model() const;
   /// Joints that no joint state has named yet.

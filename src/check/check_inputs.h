@@ -52,6 +52,7 @@ class CheckInputs {
 
   /// Whether the clock that gives `now` stands still, as a player's or simulation's may.
   void setClockStalls(bool stalls) { clock_stalls_ = stalls; }
+  [[nodiscard]] bool clockStalls() const { return clock_stalls_; }
   /// As at the start; what the caller says of itself and of the clock stays.
   void reset();
 

@@ -76,6 +76,7 @@ void Checker::Parts::renew(const Config& new_config, std::vector<AttachedObject>
   judges = std::move(new_judges);
   exempt();
   keep_out.take(*judges.robot->model, judges.robot->collision_body);
+  ++revision;
 }
 
 void Checker::Parts::exempt() {
@@ -113,6 +114,7 @@ void Checker::Parts::forgetFindings() {
 }
 
 void Checker::Parts::startAnew() {
+  ++revision;
   inputs.reset();
   commanded.clear();
   exemptions.clear();
@@ -259,6 +261,7 @@ std::string Checker::command(Time now, const JointTrajectory& trajectory) {
 }
 
 void Checker::setLatency(double seconds) { parts_->config.braking.latency_s = seconds; }
+double Checker::latency() const { return parts_->config.braking.latency_s; }
 void Checker::setOutsideCause(const Cause& cause) { parts_->inputs.setOutsideCause(cause); }
 
 void Checker::attach(const AttachedObject& object) {
@@ -280,17 +283,20 @@ const std::vector<AttachedObject>& Checker::attached() const { return parts_->at
 
 void Checker::addExemption(Time now, const Exemption& exemption, double duration_s) {
   parts_->exemptions.add(now, exemption, duration_s, parts_->model());
+  ++parts_->revision;
   parts_->exempt();
   parts_->updateExemptions(now);
 }
 
 void Checker::setKeepOut(const KeepOutRegion& region) {
   parts_->keep_out.set(region, *parts_->bare_model, parts_->config.inputs.fixed_frame);
+  ++parts_->revision;
   parts_->forgetFindings();
 }
 
 void Checker::removeKeepOut(const std::string& name) {
   parts_->keep_out.remove(name);
+  ++parts_->revision;
   parts_->forgetFindings();
 }
 
@@ -298,6 +304,7 @@ const std::vector<KeepOutRegion>& Checker::keepOut() const { return parts_->keep
 
 std::size_t Checker::liftExemptions(const std::string& owner, const std::string& link) {
   const std::size_t lifted = parts_->exemptions.lift(owner, link);
+  parts_->revision += lifted;
   parts_->exempt();
   return lifted;
 }
@@ -305,6 +312,7 @@ std::size_t Checker::liftExemptions(const std::string& owner, const std::string&
 void Checker::reportGoal(Time now, const std::string& owner, const std::string& goal,
                          bool under_way) {
   parts_->exemptions.reportGoal(now, owner, goal, under_way);
+  if (!parts_->exemptions.list().empty()) ++parts_->revision;
   parts_->exempt();
   parts_->updateExemptions(now);
 }
@@ -348,6 +356,8 @@ const Verdict& Checker::fail(Time now, const Cause& cause) {
 
 std::string Checker::reset() { return parts_->permission.reset(); }
 void Checker::startAnew() { parts_->startAnew(); }
+
+std::size_t Checker::revision() const { return parts_->revision; }
 
 const std::shared_ptr<const RobotModel>& Checker::model() const {
   return parts_->judges.robot->model;

@@ -64,6 +64,7 @@ struct Checker::Parts {
   Judges judges;
   Permission::Findings findings;  ///< of this check
   ClockSteps clock_steps;
+  std::size_t revision = 0;
   bool started = false;
   Verdict verdict;
   CheckTimes times;

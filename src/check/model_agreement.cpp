@@ -142,12 +142,13 @@ void ModelAgreement::reset() {
   cause_ = {};
 }
 
-void ModelAgreement::compare(Time now, const Transforms& transforms) {
-  if (last_ && now - *last_ < kPeriod) return;
+bool ModelAgreement::compare(Time now, const Transforms& transforms) {
+  if (last_ && now - *last_ < kPeriod) return false;
   if (!first_) first_ = now;
   last_ = now;
   for (Frame& frame : frames_) compareFrame(frame, now, transforms);
   renewCause();
+  return true;
 }
 
 void ModelAgreement::compareFrame(Frame& frame, Time now, const Transforms& transforms) {

@@ -68,8 +68,8 @@ class ModelAgreement {
                  const std::vector<double>& positions);
   /// A sensor that scans come from. @param frame as tf calls it, without a slash in front.
   void watchSensor(const std::string& frame);
-  /// Does nothing where it did something less than a tenth of a second ago.
-  void compare(Time now, const Transforms& transforms);
+  /// Does nothing where it did something less than a tenth of a second ago. @return whether it did.
+  bool compare(Time now, const Transforms& transforms);
   void reset();
 
   /// MODEL_DISAGREES where a frame does; else kClear.

@@ -57,7 +57,7 @@ class AssemblerNodelet : public DiagnosedNodelet {
           advertise<visualization_msgs::MarkerArray>(node(), "self_filter_markers", 2);
       marker_timer_ = timer(1.0 / config_.marker_rate_hz, [this] { publishMarkers(); });
     }
-    inputs_ = hearTransforms(node(), *transforms_, [this] { process(); });
+    inputs_ = hearTransforms(node(), *transforms_, [this](const auto&...) { process(); });
     if (!model_) return;
     inputs_.push_back(hear("joint_states", 200, &AssemblerNodelet::receiveJoints));
     inputs_.push_back(hear("attached_objects", 5, &AssemblerNodelet::receiveAttached));

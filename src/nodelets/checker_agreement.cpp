@@ -12,7 +12,8 @@ namespace tccm {
 void CollisionChecker::compareWithModel() {
   const ros::Time now = ros::Time::now();
   if (now.isZero()) return;
-  checker_->agreement().compare(toTime(now), transformsOf(*transforms_));
+  const bool compared = checker_->agreement().compare(toTime(now), transformsOf(*transforms_));
+  if (recorder_ && compared) recorder_->compared(toTime(now));
 }
 
 void CollisionChecker::nowAndThen() {

@@ -1,6 +1,7 @@
 // What arm controllers and operators ask the checker. An error is never answered with free.
 #include "nodelets/collision_checker.h"
 #include "nodelets/status_conversions.h"
+#include "ros/checker_frames.h"
 #include "ros/conversions.h"
 #include "tccm_monitor/config_error.h"
 
@@ -84,7 +85,7 @@ bool CollisionChecker::addExemption(AddExemption::Request& request,
     exemption.frame = withoutSlash(request.frame);
     exemption.with_goal = request.with_goal;
     checker_->addExemption(toTime(now), exemption, request.duration.toSec());
-    placeExemptFrames();
+    placeExemptFrames(*transforms_, config_.fixed_frame, *checker_);
     checker_->updateExemptions(toTime(now));
     response.success = true;
     response.until = now;
@@ -156,6 +157,7 @@ bool CollisionChecker::reportGoal(ReportGoal::Request& request, ReportGoal::Resp
 bool CollisionChecker::reset(std_srvs::Trigger::Request& /*request*/,
                              std_srvs::Trigger::Response& response) {
   response.message = checker_->reset();
+  if (recorder_) recorder_->reset(toTime(ros::Time::now()));
   response.success = response.message.empty();
   if (response.success) {
     ROS_INFO("Reset.");

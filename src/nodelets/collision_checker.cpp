@@ -13,6 +13,7 @@
 #include "check/model_agreement.h"
 #include "nodelets/markers.h"
 #include "nodelets/status_conversions.h"
+#include "ros/checker_frames.h"
 #include "ros/conversions.h"
 #include "ros/server_config.h"
 
@@ -22,18 +23,6 @@ namespace {
 constexpr double kClockStallMax = 0.5;  // [s] of wall time; recordings' clocks come in bursts
 constexpr double kLatencyMax = 0.2;  // [s] by which margins grow; a slower machine is late anyway
 constexpr double kLatencyForgotten = 0.99;  // kept of the longest latency at each new map
-
-/// @param report reused: nothing is allocated after a while.
-void fromMessage(const tccm_monitor::ScanReport& message, ScanReport& report) {
-  using Outcome = ScanReport::Outcome;
-  report.stamp = toTime(message.header.stamp);
-  report.outcome = Outcome::kDropped;
-  if (message.outcome == tccm_monitor::ScanReport::WAITING) report.outcome = Outcome::kWaiting;
-  if (message.outcome == tccm_monitor::ScanReport::ASSEMBLED) report.outcome = Outcome::kAssembled;
-  report.dropped = message.dropped;
-  report.detail = message.detail;
-  report.self_link = message.self_link;
-}
 
 /// A std_msgs/Bool or Float64.
 template <typename Message, typename Value>
@@ -73,6 +62,7 @@ void CollisionChecker::setUp() {
   const CheckInputs::Config& limits = config_.checker.inputs;
   joints_rate_ = watch("joint_states", limits.joint_timeout_s, limits.future_max_s);
   makeFeeds();
+  if (!config_.stops.folder.empty()) makeRecorder();
   attachments_ = std::make_unique<Attachments>(node(), config_, *checker_);
   services_ = {serve(node(), "check_state", &CollisionChecker::checkState, this),
                serve(node(), "check_trajectory", &CollisionChecker::checkTrajectory, this),
@@ -83,7 +73,9 @@ void CollisionChecker::setUp() {
                serve(node(), "report_goal", &CollisionChecker::reportGoal, this),
                serve(node(), "reset", &CollisionChecker::reset, this)};
   tuning_ = std::make_unique<Tuning>(privateNode(), config_, *checker_);
-  inputs_ = hearTransforms(node(), *transforms_, [this] { receiveTransforms(); });
+  inputs_ = hearTransforms(node(), *transforms_, [this](const auto& message, bool is_static) {
+    receiveTransforms(message, is_static);
+  });
   for (SensorFeed& feed : feeds_) feed.begin(node());
   inputs_.push_back(hear("joint_states", 200, &CollisionChecker::receiveJoints));
   inputs_.push_back(hear("trajectory", 20, &CollisionChecker::receiveTrajectory));
@@ -128,7 +120,9 @@ void CollisionChecker::makeFeeds() {
 void CollisionChecker::receiveMap(const SensorFeed& feed) {
   trace_.forget();
   trace_.note("the checker has it");
-  checker_->setMap(toTime(ros::Time::now()), feed.published()->map, feed.sensor());
+  const Time now = toTime(ros::Time::now());
+  checker_->setMap(now, feed.published()->map, feed.sensor());
+  if (recorder_) recorder_->mapComes(now, feed.published(), feed.sensor());
   tellAttachments();
   check();
   trace_.note("checked");
@@ -136,6 +130,7 @@ void CollisionChecker::receiveMap(const SensorFeed& feed) {
   trace_.note("the permission is published");
   noteLatency(feed);
   trace_.publish(toRos(feed.published()->map->stamp));
+  if (recorder_) recorder_->commit();
 }
 
 /// What all sensors' maps have taken into account.
@@ -158,15 +153,19 @@ void CollisionChecker::receiveReport(const SensorFeed& feed,
   if (report_.outcome == ScanReport::Outcome::kWaiting) {
     checker_->agreement().watchSensor(withoutSlash(message.header.frame_id));
   }
-  checker_->addScanReport(toTime(ros::Time::now()), report_, feed.sensor());
+  const Time now = toTime(ros::Time::now());
+  checker_->addScanReport(now, report_, feed.sensor());
+  if (recorder_) recorder_->report(now, message, feed.sensor());
 }
 
 void CollisionChecker::receiveJoints(
     const ros::MessageEvent<sensor_msgs::JointState const>& event) {
   const auto& message = event.getConstMessage();
   joints_rate_->tick(message->header.stamp);
-  checker_->addJoints(toTime(ros::Time::now()), toTime(message->header.stamp), message->name,
-                      message->position, message->velocity, event.getPublisherName());
+  const Time now = toTime(ros::Time::now());
+  checker_->addJoints(now, toTime(message->header.stamp), message->name, message->position,
+                      message->velocity, event.getPublisherName());
+  if (recorder_) recorder_->joints(now, *message, event.getPublisherName());
   check();
 }
 
@@ -177,32 +176,13 @@ void CollisionChecker::receiveTrajectory(
   const std::string defect = checker_->command(toTime(now), tccm::fromMessage(*message));
   if (!defect.empty())
     NODELET_ERROR("A commanded trajectory is not understood: %s.", defect.c_str());
+  if (recorder_) recorder_->trajectory(toTime(now), *message);
   check();
 }
 
-void CollisionChecker::receiveTransforms() {
-  const std::vector<std::string>& roots = checker_->model()->rootFrames();
-  for (std::size_t i = 0; i < roots.size(); ++i) {
-    const auto root = transforms_->newest(config_.fixed_frame, roots[i]);
-    if (root) checker_->setRootPose(i, root->stamp, root->pose, root->is_static);
-  }
-  placeExemptFrames();
-}
-
-void CollisionChecker::placeExemptFrames() {
-  for (const std::string& frame : checker_->exemptFrames()) {
-    const auto place = transforms_->newest(config_.fixed_frame, frame);
-    if (place) checker_->setExemptFrame(frame, place->stamp, place->pose, place->is_static);
-  }
-}
-
-void CollisionChecker::placeRootsInFixedFrame() {
-  // Where fixed frame and a root are one, no transform has to be heard.
-  const std::vector<std::string>& roots = checker_->model()->rootFrames();
-  for (std::size_t i = 0; i < roots.size(); ++i) {
-    if (roots[i] != config_.fixed_frame) continue;
-    checker_->setRootPose(i, Time(), Pose::Identity(), true);
-  }
+void CollisionChecker::receiveTransforms(const tf2_msgs::TFMessage& message, bool is_static) {
+  placeFrames(*transforms_, config_.fixed_frame, *checker_);
+  if (recorder_) recorder_->transforms(toTime(ros::Time::now()), message, is_static);
 }
 
 void CollisionChecker::becomeFault(Reason reason, const std::string& detail) {
@@ -231,7 +211,10 @@ void CollisionChecker::check() {
     checkNow(ros::Time::now());
   } catch (const std::exception& error) {  // silence would be worse
     NODELET_ERROR_THROTTLE(1.0, "The check failed: %s.", error.what());
-    verdict_ = &checker_->fail(toTime(ros::Time::now()), {Reason::kInternal, error.what()});
+    const Time now = toTime(ros::Time::now());
+    const Cause cause{Reason::kInternal, error.what()};
+    verdict_ = &checker_->fail(now, cause);
+    if (recorder_) recorder_->fail(now, cause, *verdict_);
   }
   tellChange(*verdict_);
   stop_cause_.follow(*verdict_, checker_->map());
@@ -245,17 +228,25 @@ void CollisionChecker::checkNow(const ros::Time& now) {
   checked_ = now;
   if (now.isZero()) {  // simulated time has not begun, or begins anew
     checker_->startAnew();
+    if (recorder_) recorder_->startAnew(Time());
     return becomeFault(Reason::kInit, "simulated time has not begun");
   }
-  placeRootsInFixedFrame();
-  checker_->setOutsideCause(outsideCause());
+  placeRootsInFixedFrame(config_.fixed_frame, *checker_);
+  const Cause outside = outsideCause();
+  checker_->setOutsideCause(outside);
   Stopwatch stopwatch;
   verdict_ = &checker_->check(toTime(now));
   check_us_ = stopwatch.lapMicroseconds();
+  if (recorder_) {
+    recorder_->check(toTime(now), outside, *verdict_, *checker_, config_);
+  }
   check_us_max_ = std::max(check_us_max_, check_us_);
   ++checks_;
   const Cause late = outsideCause();  // as long as this check took
-  if (late.reason == Reason::kCheckLate) verdict_ = &checker_->fail(toTime(now), late);
+  if (late.reason == Reason::kCheckLate) {
+    verdict_ = &checker_->fail(toTime(now), late);
+    if (recorder_) recorder_->fail(toTime(now), late, *verdict_);
+  }
   if (checker_->map() && verdict_->serial != seen_serial_) {
     seen_serial_ = verdict_->serial;
     latencies_.scan_to_verdict_s = toSeconds(verdict_->stamp - checker_->map()->stamp);
@@ -419,6 +410,7 @@ void CollisionChecker::diagnose(diagnostic_updater::DiagnosticStatusWrapper& sta
   }
   if (!transforms_->defect().empty()) status.add("tf", transforms_->defect());
   diagnoseAgreement(status);
+  if (recorder_) diagnoseStops(status);
 }
 
 void CollisionChecker::diagnoseEvidence(diagnostic_updater::DiagnosticStatusWrapper& status) const {

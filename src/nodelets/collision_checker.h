@@ -29,6 +29,7 @@
 #include "nodelets/stop_cause.h"
 #include "nodelets/tuning.h"
 #include "ros/transform_history.h"
+#include "stops/stop_recorder.h"
 
 namespace tccm {
 
@@ -68,10 +69,9 @@ class CollisionChecker : public DiagnosedNodelet {
   void receiveReport(const SensorFeed& feed, const tccm_monitor::ScanReport& message);
   void receiveJoints(const ros::MessageEvent<sensor_msgs::JointState const>& event);
   void receiveTrajectory(const trajectory_msgs::JointTrajectory::ConstPtr& message);
-  void receiveTransforms();
-  void placeRootsInFixedFrame();
-  /// Those that exemptions are given in, off the way from a scan to its verdict.
-  void placeExemptFrames();
+  void receiveTransforms(const tf2_msgs::TFMessage& message, bool is_static);
+  /// Where stops are to be kept.
+  void makeRecorder();
   /// Now and then, off the way from a scan to its verdict.
   void compareWithModel();
   /// Checks, and publishes where it got worse. Whatever goes wrong is a fault.
@@ -105,6 +105,7 @@ class CollisionChecker : public DiagnosedNodelet {
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) override;
   void diagnoseAgreement(diagnostic_updater::DiagnosticStatusWrapper& status) const;
   void diagnoseEvidence(diagnostic_updater::DiagnosticStatusWrapper& status) const;
+  void diagnoseStops(diagnostic_updater::DiagnosticStatusWrapper& status) const;
 
   CheckerConfig config_;
   std::unique_ptr<Checker> checker_;
@@ -136,6 +137,8 @@ class CollisionChecker : public DiagnosedNodelet {
   ros::WallTime clock_moved_;  ///< when it last differed from the one before
   std::optional<Reason> told_;
   StopCause stop_cause_;
+  std::unique_ptr<StopRecorder> recorder_;  ///< null: stops are not kept
+  std::string told_stop_defect_;
   bool told_velocity_ = false;
   bool told_limit_ = false;
   std::size_t told_not_compared_ = 0;

@@ -25,7 +25,7 @@ class MoveitAttachedObjects {
       : attach_(ros::NodeHandle(node).serviceClient<tccm_monitor::AttachObject>("attach_object")),
         detach_(ros::NodeHandle(node).serviceClient<tccm_monitor::DetachObject>("detach_object")) {
     using This = MoveitAttachedObjects;
-    inputs_ = hearTransforms(node, transforms_, [] {});
+    inputs_ = hearTransforms(node, transforms_, [](const auto&...) {});
     inputs_.push_back(hear(node, "attached_collision_object", 100, &This::receiveObject, this));
     inputs_.push_back(hear(node, "monitored_planning_scene", 100, &This::receiveScene, this));
     inputs_.push_back(hear(node, "attached_objects", 10, &This::receiveHeld, this));

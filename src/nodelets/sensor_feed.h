@@ -1,6 +1,8 @@
 #pragma once
 
 #include <ros/ros.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <tccm_monitor/CloudScan.h>
 #include <tccm_monitor/ScanReport.h>
 
 #include <cstddef>
@@ -9,11 +11,13 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "nodelets/diagnosed_nodelet.h"
 #include "ros/conversions.h"
 #include "ros/handles.h"
 #include "ros/published_map.h"
+#include "stops/stop_recorder.h"
 
 namespace tccm {
 
@@ -40,6 +44,13 @@ class SensorFeed {
   void begin(const ros::NodeHandle& node) {
     map_input_ = hear(node, prefix_ + "cuboid_map", 10, &SensorFeed::receiveMap, this);
     report_input_ = hear(node, prefix_ + "scan_report", 50, &SensorFeed::receiveReport, this);
+  }
+
+  /// What the sensor's mapper hears, for those who look at stops. @param recorder outlives this.
+  void hearPoints(const ros::NodeHandle& node, StopRecorder& recorder) {
+    recorder_ = &recorder;
+    point_inputs_ = {hear(node, prefix_ + "scan_cloud", 5, &SensorFeed::receiveScan, this),
+                     hear(node, prefix_ + "cloud_scan", 5, &SensorFeed::receiveCloud, this)};
   }
 
   /// Index into the configured sensors.
@@ -84,6 +95,13 @@ class SensorFeed {
     takers_.report(*this, *message);
   }
 
+  void receiveScan(const sensor_msgs::PointCloud2::ConstPtr& message) {
+    recorder_->points(toTime(ros::Time::now()), *message, sensor_);
+  }
+  void receiveCloud(const tccm_monitor::CloudScan::ConstPtr& message) {
+    recorder_->points(toTime(ros::Time::now()), *message, sensor_);
+  }
+
   void countDrop(const std::string& reason) {
     const bool known = scans_dropped_.count(reason) > 0 || scans_dropped_.size() < kDropReasonsMax;
     ++scans_dropped_[known ? reason : "other"];
@@ -100,6 +118,8 @@ class SensorFeed {
   std::string defect_;
   std::map<std::string, std::size_t> scans_dropped_;
   ros::Subscriber map_input_, report_input_;
+  StopRecorder* recorder_ = nullptr;
+  std::vector<ros::Subscriber> point_inputs_;
 };
 
 }  // namespace tccm

@@ -207,4 +207,15 @@ AttachedObject fromMessage(const tccm_monitor::AttachedObject& message) {
           fromMessage(message.primitive, "object '" + message.name + "'")};
 }
 
+void fromMessage(const tccm_monitor::ScanReport& message, ScanReport& report) {
+  using Outcome = ScanReport::Outcome;
+  report.stamp = toTime(message.header.stamp);
+  report.outcome = Outcome::kDropped;
+  if (message.outcome == tccm_monitor::ScanReport::WAITING) report.outcome = Outcome::kWaiting;
+  if (message.outcome == tccm_monitor::ScanReport::ASSEMBLED) report.outcome = Outcome::kAssembled;
+  report.dropped = message.dropped;
+  report.detail = message.detail;
+  report.self_link = message.self_link;
+}
+
 }  // namespace tccm

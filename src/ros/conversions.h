@@ -7,6 +7,7 @@
 #include <tccm_monitor/AttachedObject.h>
 #include <tccm_monitor/CuboidMap.h>
 #include <tccm_monitor/Primitive.h>
+#include <tccm_monitor/ScanReport.h>
 #include <trajectory_msgs/JointTrajectory.h>
 
 #include <string>
@@ -17,6 +18,7 @@
 #include "tccm_monitor/cuboid_map.h"
 #include "tccm_monitor/laser_scan.h"
 #include "tccm_monitor/robot_model.h"
+#include "tccm_monitor/verdict.h"
 
 namespace tccm {
 
@@ -49,6 +51,9 @@ void toPoints(const CuboidMap& map, const std::string& frame, sensor_msgs::Point
 
 /// @return empty, or why the message is no map. @param map reused.
 [[nodiscard]] std::string fromMessage(const tccm_monitor::CuboidMap& message, CuboidMap& map);
+
+/// @param report reused: nothing is allocated after a while.
+void fromMessage(const tccm_monitor::ScanReport& message, ScanReport& report);
 
 [[nodiscard]] JointTrajectory fromMessage(const trajectory_msgs::JointTrajectory& message);
 

@@ -57,6 +57,14 @@ void tellDefects(const RobotModel& model) {
   }
 }
 
+/// From the namespace upwards: a sensor's nodelets have one of their own.
+std::string robotSection(const ros::NodeHandle& node) {
+  std::string found;
+  const std::string from = node.getNamespace().empty() ? "/" : node.getNamespace();
+  if (ros::param::search(from, MonitorConfig::kRobotSection, found)) return found;
+  return node.resolveName(MonitorConfig::kRobotSection);
+}
+
 }  // namespace
 
 YAML::Node parametersOf(const ros::NodeHandle& node) {
@@ -102,16 +110,14 @@ ConfigError withLine(const ConfigError& error, const std::string& file) {
   return error;
 }
 
+YAML::Node robotParameters(const ros::NodeHandle& node) {
+  return parametersOf(ros::NodeHandle(robotSection(node)));
+}
+
 std::shared_ptr<const RobotModel> sharedRobotModel(const ros::NodeHandle& node) {
   static std::mutex mutex;
   static std::map<std::string, std::weak_ptr<const RobotModel>> models;
-  // From the namespace upwards: a sensor's nodelets have one of their own.
-  std::string found;
-  const std::string from = node.getNamespace().empty() ? "/" : node.getNamespace();
-  if (!ros::param::search(from, MonitorConfig::kRobotSection, found)) {
-    found = node.resolveName(MonitorConfig::kRobotSection);
-  }
-  const ros::NodeHandle section(found);
+  const ros::NodeHandle section(robotSection(node));
   const auto config = configFrom<RobotModel::Config>(section);
   const std::string urdf = robotDescription(node);
   const std::lock_guard<std::mutex> lock(mutex);

@@ -51,6 +51,9 @@ void tellDifferences(const ros::NodeHandle& node, const Config& config) {
 /// The URDF's text, searched upwards from the node's namespace. @throws ConfigError
 [[nodiscard]] std::string robotDescription(const ros::NodeHandle& node);
 
+/// What the parameter server has of `monitored_robot`, searched upwards likewise.
+[[nodiscard]] YAML::Node robotParameters(const ros::NodeHandle& node);
+
 /// The robot as all nodelets of this process see it: read once, from robot_description, searched
 /// upwards from the node's namespace, and from `monitored_robot` in it. Logs what of the robot is
 /// not watched, or taken otherwise than it stands, and fits that could not be kept. @throws

@@ -175,14 +175,15 @@ std::optional<TransformHistory::Newest> TransformHistory::newest(const std::stri
   }
 }
 
-std::vector<ros::Subscriber> hearTransforms(ros::NodeHandle node, TransformHistory& history,
-                                            const std::function<void()>& heard) {
+std::vector<ros::Subscriber> hearTransforms(
+    ros::NodeHandle node, TransformHistory& history,
+    const std::function<void(const tf2_msgs::TFMessage& message, bool is_static)>& heard) {
   const auto hear = [&](const std::string& topic, std::uint32_t queue, bool is_static) {
     return required(node.subscribe<tf2_msgs::TFMessage>(
                         topic, queue,
                         [&history, heard, is_static](const tf2_msgs::TFMessage::ConstPtr& message) {
                           history.add(*message, is_static);
-                          heard();
+                          heard(*message, is_static);
                         },
                         ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()),
                     node, topic);

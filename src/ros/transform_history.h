@@ -94,8 +94,8 @@ class TransformHistory {
 
 /// Feeds a history from /tf and /tf_static, in the callback queue of the node it is given: no
 /// thread of its own, so that what it feeds needs no lock. @param heard called after each message.
-[[nodiscard]] std::vector<ros::Subscriber> hearTransforms(ros::NodeHandle node,
-                                                          TransformHistory& history,
-                                                          const std::function<void()>& heard);
+[[nodiscard]] std::vector<ros::Subscriber> hearTransforms(
+    ros::NodeHandle node, TransformHistory& history,
+    const std::function<void(const tf2_msgs::TFMessage& message, bool is_static)>& heard);
 
 }  // namespace tccm

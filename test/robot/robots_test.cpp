@@ -16,7 +16,7 @@
 #include "support/random.h"
 #include "support/robot_meshes.h"
 #include "tccm_monitor/robot_model.h"
-#include "tools/link_primitives.h"
+#include "robot/link_primitives.h"
 
 namespace tccm {
 namespace {
