@@ -26,8 +26,8 @@
 #include "nodelets/diagnosed_nodelet.h"
 #include "nodelets/scan_tracer.h"
 #include "nodelets/sensor_feed.h"
-#include "nodelets/stop_cause.h"
 #include "nodelets/tuning.h"
+#include "ros/stop_cause.h"
 #include "ros/transform_history.h"
 
 namespace tccm {
