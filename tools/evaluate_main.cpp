@@ -56,7 +56,8 @@ void describe(CLI::App& app, Options& options) {
   clouds->excludes(urdf);
   app.add_option("--config", options.config,
                  "YAML with topics and the nodelets' parameters; defaults where it says nothing");
-  app.add_option("--out", options.out, "folder for summary.json; made where it is not there")
+  app.add_option("--out", options.out,
+                 "folder for summary.json and timing.json; made where it is not there")
       ->required();
   app.add_option("--package-path", options.package_path,
                  "folder with a robot's packages: package://P/x is DIR/P/x where P is there, and "
@@ -193,9 +194,12 @@ int evaluate(Options& options) {
   dumps.close();
 
   const auto summary = summaryOf(evaluation, settings);
-  const std::string path = (std::filesystem::path(options.out) / "summary.json").string();
+  const auto timing = timesOf(evaluation.totals());
+  const std::filesystem::path folder(options.out);
+  const std::string path = (folder / "summary.json").string();
   writeText(path, summary.dump(2) + '\n');
-  printSummary(summary, std::cout);
+  writeText((folder / "timing.json").string(), timing.dump(2) + '\n');
+  printSummary(summary, timing, std::cout);
   printStops(evaluation.totals(), std::cout);
   std::cout << "written  " << path << std::endl;
   if (evaluation.totals().scans_mapped > 0) return kDone;
