@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,8 @@
 #include "evaluation.h"
 #include "program.h"
 #include "report.h"
+#include "stop_scenes.h"
+#include "timeline.h"
 
 namespace tccm {
 namespace {
@@ -27,12 +30,14 @@ struct Options {
   std::string dump_cuboids;
   std::string dump_verdicts;
   std::string dump_visibility;
+  bool report = false;
 };
 
 void describe(CLI::App& app, Options& options) {
   app.footer(
       "Without --urdf the surroundings are mapped and nothing is checked.\n"
-      "Exit status: 0 done, 1 no scan was mapped, 2 bad input; 1 and 2 with a line that says why.\n"
+      "Exit status: 0 done, 1 no scan was mapped, 2 bad input, each but 0 with a line that says "
+      "why; 130 after Ctrl-C, with what was evaluated until then.\n"
       "Example: evaluate --bag run.bag --urdf robot.urdf --config config/pr2.yaml --out result");
   auto* bag = app.add_option("--bag", options.bag,
                              "recording with scans or clouds, /tf, /tf_static and joint states");
@@ -62,6 +67,9 @@ void describe(CLI::App& app, Options& options) {
   app.add_option("--package-path", options.package_path,
                  "folder with a robot's packages: package://P/x is DIR/P/x where P is there, and "
                  "is looked for among the ROS packages elsewhere");
+  app.add_flag("--report", options.report,
+               "for people: report.html, with pictures of each stop beside it, and what they are "
+               "drawn from");
   app.add_option("--dump-points", options.dump_points,
                  "CSV of the points that reached the map: scan,x,y,z; of sensors with names one "
                  "each, FILE.NAME.csv");
@@ -126,6 +134,18 @@ struct Dumps {
   }
 };
 
+/// What is drawn.
+struct Report {
+  Timeline timeline;
+  StopScenes scenes;
+
+  explicit Report(const std::filesystem::path& folder) : timeline(folder / "timeline.csv") {}
+  void add(const Verdict& verdict, const Checker& checker, Time start) {
+    timeline.add(verdict, checker, start);
+    scenes.add(verdict, checker, start);
+  }
+};
+
 /// From x y z [m] and roll pitch yaw [rad], as a URDF's origin has it.
 Pose poseOf(const std::vector<double>& numbers) {
   Pose pose = Pose::Identity();
@@ -168,43 +188,80 @@ std::unique_ptr<Recording> openRecording(const Options& options, const MonitorCo
   return std::make_unique<BagStream>(options.bag, topics);
 }
 
-int evaluate(Options& options) {
-  const MonitorConfig settings = readMonitorConfig(options.config);
-  const auto model = readModel(options, settings);
-  const auto recording = openRecording(options, settings);
-  makeFolder(options.out);
-  const Dumps dumps(options, settings.sensors());
-  Evaluation::Observer observer;
-  observer.mapped = [&dumps](const Monitor& monitor, std::size_t sensor) {
-    if (dumps.points[sensor]) dumpPoints(monitor, sensor, *dumps.points[sensor]);
-  };
-  if (dumps.verdicts || dumps.visibility) {
-    observer.checked = [&dumps](const Verdict& verdict, const Checker& checker) {
-      if (dumps.verdicts) dumpVerdict(verdict, *dumps.verdicts);
-      if (dumps.visibility) dumpVisibility(verdict, checker, *dumps.visibility);
-    };
-  }
-  Evaluation evaluation(settings, model, observer);
-  play(*recording, evaluation, progressBar());
-  requireFixedFrame(evaluation);
-  for (std::size_t i = 0; i < dumps.cuboids.size(); ++i) {
-    const CuboidMap* map = evaluation.monitor().map(i);
-    if (dumps.cuboids[i] && map != nullptr) dumpCuboids(*map, *dumps.cuboids[i]);
-  }
-  dumps.close();
+struct Interruption {};
 
-  const auto summary = summaryOf(evaluation, settings);
-  const auto timing = timesOf(evaluation.totals());
+/// @return whether it was played to its end; Ctrl-C ends it earlier, and finishes the evaluation.
+bool playAll(const Recording& recording, Evaluation& evaluation) {
+  const Progress bar = progressBar();
+  deferInterrupt();
+  try {
+    play(recording, evaluation, [&bar](double fraction_done) {
+      if (isInterrupted()) throw Interruption();
+      if (bar) bar(fraction_done);
+    });
+  } catch (const Interruption&) {
+    evaluation.finish();
+    return false;
+  }
+  return true;
+}
+
+/// @return the exit status.
+int conclude(const Options& options, const MonitorConfig& settings, const Evaluation& evaluation,
+             Report* report, bool interrupted) {
   const std::filesystem::path folder(options.out);
+  auto summary = summaryOf(evaluation, settings);
+  if (interrupted) summary["interrupted"] = true;
+  const auto timing = timesOf(evaluation.totals(), options.report);
   const std::string path = (folder / "summary.json").string();
   writeText(path, summary.dump(2) + '\n');
   writeText((folder / "timing.json").string(), timing.dump(2) + '\n');
   printSummary(summary, timing, std::cout);
   printStops(evaluation.totals(), std::cout);
   std::cout << "written  " << path << std::endl;
+  if (report != nullptr) {
+    report->timeline.close();
+    const auto scenes = report->scenes.json(evaluation, settings, interrupted);
+    writeText((folder / "scenes.json").string(), scenes.dump() + '\n');
+    const int status = runScript("draw_evaluation", {options.out});
+    if (status == kInterrupted) return status;
+    if (status != kDone) throw InputError("the report was not drawn");
+  }
+  if (interrupted) std::cerr << "evaluate: interrupted; what was played until then is written\n";
+  if (interrupted) return kInterrupted;
   if (evaluation.totals().scans_mapped > 0) return kDone;
   std::cerr << "evaluate: " << whyNothingMapped(evaluation, settings) << '\n';
   return kLimitMissed;
+}
+
+int evaluate(Options& options) {
+  const MonitorConfig settings = readMonitorConfig(options.config);
+  const auto model = readModel(options, settings);
+  const auto recording = openRecording(options, settings);
+  makeFolder(options.out);
+  const Dumps dumps(options, settings.sensors());
+  const auto report = options.report ? std::make_unique<Report>(options.out) : nullptr;
+  std::optional<Evaluation> evaluation;
+  Evaluation::Observer observer;
+  observer.mapped = [&dumps](const Monitor& monitor, std::size_t sensor) {
+    if (dumps.points[sensor]) dumpPoints(monitor, sensor, *dumps.points[sensor]);
+  };
+  if (dumps.verdicts || dumps.visibility || report) {
+    observer.checked = [&](const Verdict& verdict, const Checker& checker) {
+      if (dumps.verdicts) dumpVerdict(verdict, *dumps.verdicts);
+      if (dumps.visibility) dumpVisibility(verdict, checker, *dumps.visibility);
+      if (report) report->add(verdict, checker, *evaluation->totals().first_stamp);
+    };
+  }
+  evaluation.emplace(settings, model, observer);
+  const bool interrupted = !playAll(*recording, *evaluation);
+  if (!interrupted) requireFixedFrame(*evaluation);
+  for (std::size_t i = 0; i < dumps.cuboids.size(); ++i) {
+    const CuboidMap* map = evaluation->monitor().map(i);
+    if (dumps.cuboids[i] && map != nullptr) dumpCuboids(*map, *dumps.cuboids[i]);
+  }
+  dumps.close();
+  return conclude(options, settings, *evaluation, report.get(), interrupted);
 }
 
 }  // namespace

@@ -127,7 +127,7 @@ Json sceneOf(const Options& options, const RobotModel& model) {
 void draw(const Options& options, const RobotModel& model, const std::string& picture) {
   const std::string scene = picture + ".json";
   writeText(scene, sceneOf(options, model).dump());
-  const bool drawn = runScript("draw_primitives", {scene, picture});
+  const bool drawn = runScript("draw_primitives", {scene, picture}) == kDone;
   std::error_code ignored;
   std::filesystem::remove(scene, ignored);
   if (!drawn) throw InputError("the picture " + picture + " could not be drawn");

@@ -282,17 +282,26 @@ void printScans(const Json& summary, const std::string& sensor, std::ostream& ou
 
 }  // namespace
 
-Json timesOf(const Totals& totals) {
+Json timesOf(const Totals& totals, bool each) {
   const Timings& timings = totals.timings;
-  return {{"time_us",
-           {{"assemble", percentiles(timings.assemble)},
-            {"integrate", percentiles(timings.integrate)},
-            {"snapshot", percentiles(timings.snapshot)},
-            {"collision", percentiles(timings.collision)},
-            {"occlusion", percentiles(timings.occlusion)},
-            {"evidence", percentiles(timings.evidence)},
-            {"clearance", percentiles(timings.clearance)},
-            {"scan_to_verdict", percentiles(timings.scan_to_verdict)}}}};
+  Json json{{"time_us",
+             {{"assemble", percentiles(timings.assemble)},
+              {"integrate", percentiles(timings.integrate)},
+              {"snapshot", percentiles(timings.snapshot)},
+              {"collision", percentiles(timings.collision)},
+              {"occlusion", percentiles(timings.occlusion)},
+              {"evidence", percentiles(timings.evidence)},
+              {"clearance", percentiles(timings.clearance)},
+              {"scan_to_verdict", percentiles(timings.scan_to_verdict)}}}};
+  if (!each) return json;
+  Json& checks = json["scans"];
+  checks = {{"time_s", Json::array()}, {"scan_to_verdict_us", Json::array()}};
+  for (std::size_t i = 0; i < timings.verdict_at.size(); ++i) {
+    const Duration since = timings.verdict_at[i] - *totals.first_stamp;
+    checks["time_s"].push_back(std::nearbyint(toSeconds(since) * 1e3) / 1e3);
+    checks["scan_to_verdict_us"].push_back(std::nearbyint(timings.scan_to_verdict[i] * 10) / 10);
+  }
+  return json;
 }
 
 void printSummary(const Json& summary, const Json& timing, std::ostream& out) {

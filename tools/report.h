@@ -55,8 +55,8 @@ void dumpVisibility(const Verdict& verdict, const Checker& checker, CsvFile& fil
 /// All figures of a run but how long things took: the same in each run.
 [[nodiscard]] nlohmann::ordered_json summaryOf(const Evaluation& evaluation,
                                                const MonitorConfig& settings);
-/// How long things took.
-[[nodiscard]] nlohmann::ordered_json timesOf(const Totals& totals);
+/// How long things took. @param each besides the percentiles, of each check after a scan.
+[[nodiscard]] nlohmann::ordered_json timesOf(const Totals& totals, bool each);
 /// Both for people, in a few lines.
 void printSummary(const nlohmann::ordered_json& summary, const nlohmann::ordered_json& timing,
                   std::ostream& out);
