@@ -134,7 +134,8 @@ def draw_scene(scene):
         axes.set_xticks([])
         axes.set_yticks([])
         paint_scene(axes, scene, towards)
-    figure.legend(handles=legend(scene), loc="lower center", ncol=7, fontsize=8, frameon=False)
+    figure.legend(handles=legend(scene), loc="lower center", ncol=8, fontsize=8, frameon=False,
+                  columnspacing=1.2, handletextpad=0.4, handlelength=1.5)
     return png(figure)
 
 
@@ -165,7 +166,7 @@ def legend(scene):
     handles = [matplotlib.patches.Patch(color=COLORS[kind], label=text)
                for kind, text in scene.legend()]
     return handles + [matplotlib.lines.Line2D([], [], color=COLORS["sensor"], linestyle="--",
-                                              marker="D", label="sensor, and what it saw")]
+                                              marker="D", label="from where it saw it")]
 
 
 def draw_timeline(found):
