@@ -86,7 +86,7 @@ int run(const Experiment& experiment, const TrialOptions& options) {
   for (const std::string& limit : findings.missed)
     std::printf("limit missed   %s\n", limit.c_str());
   writeTiming(options, findings, took.count());
-  if (!options.no_pictures && !runScript("draw_trials", {options.out})) {
+  if (!options.no_pictures && runScript("draw_trials", {options.out}) != kDone) {
     throw InputError("the pictures in " + options.out + " could not be drawn");
   }
   return findings.missed.empty() ? kDone : kLimitMissed;

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,9 +10,10 @@
 #include "cloud_folder.h"
 #include "evaluation.h"
 #include "program.h"
+#include "replayed_stop.h"
 #include "report.h"
-#include "report_figures.h"
-#include "stops/stop_replay.h"
+#include "stop_scenes.h"
+#include "timeline.h"
 
 namespace tccm {
 namespace {
@@ -30,12 +32,14 @@ struct Options {
   std::string dump_cuboids;
   std::string dump_verdicts;
   std::string dump_visibility;
+  bool report = false;
 };
 
 void describe(CLI::App& app, Options& options) {
   app.footer(
       "Without --urdf the surroundings are mapped and nothing is checked.\n"
-      "Exit status: 0 done, 1 no scan was mapped, 2 bad input; 1 and 2 with a line that says why.\n"
+      "Exit status: 0 done, 1 no scan was mapped, 2 bad input, each but 0 with a line that says "
+      "why; 130 after Ctrl-C, with what was evaluated until then.\n"
       "Example: evaluate --bag run.bag --urdf robot.urdf --config config/pr2.yaml --out result");
   auto* bag = app.add_option("--bag", options.bag,
                              "recording with scans or clouds, /tf, /tf_static and joint states");
@@ -62,10 +66,14 @@ void describe(CLI::App& app, Options& options) {
   clouds->excludes(urdf);
   app.add_option("--config", options.config,
                  "YAML with topics and the nodelets' parameters; defaults where it says nothing");
-  app.add_option("--out", options.out, "folder for summary.json; made where it is not there");
+  app.add_option("--out", options.out,
+                 "folder for summary.json and timing.json; made where it is not there");
   app.add_option("--package-path", options.package_path,
                  "folder with a robot's packages: package://P/x is DIR/P/x where P is there, and "
                  "is looked for among the ROS packages elsewhere");
+  app.add_flag("--report", options.report,
+               "for people: report.html, with pictures of each stop beside it, and what they are "
+               "drawn from");
   app.add_option("--dump-points", options.dump_points,
                  "CSV of the points that reached the map: scan,x,y,z; of sensors with names one "
                  "each, FILE.NAME.csv");
@@ -78,15 +86,6 @@ void describe(CLI::App& app, Options& options) {
                  "CSV of what was seen of each watched link in each check: "
                  "stamp,scan,link,ahead,visible,occluded,unseen,way_unseen,evidence_age_s,"
                  "next_look_s; the stamp is the check's");
-}
-
-/// @throws InputError
-StopReplay replayStopIn(const std::string& path) {
-  try {
-    return replayStop(path);
-  } catch (const std::exception& error) {
-    throw InputError(path + ": " + error.what());
-  }
 }
 
 /// Nothing where no robot is asked for.
@@ -139,6 +138,18 @@ struct Dumps {
   }
 };
 
+/// What is drawn.
+struct Report {
+  Timeline timeline;
+  StopScenes scenes;
+
+  explicit Report(const std::filesystem::path& folder) : timeline(folder / "timeline.csv") {}
+  void add(const Verdict& verdict, const Checker& checker, Time start) {
+    timeline.add(verdict, checker, start);
+    scenes.add(verdict, checker, start);
+  }
+};
+
 /// From x y z [m] and roll pitch yaw [rad], as a URDF's origin has it.
 Pose poseOf(const std::vector<double>& numbers) {
   Pose pose = Pose::Identity();
@@ -181,59 +192,82 @@ std::unique_ptr<Recording> openRecording(const Options& options, const MonitorCo
   return std::make_unique<BagStream>(options.bag, topics);
 }
 
+struct Interruption {};
+
+/// @return whether it was played to its end; Ctrl-C ends it earlier, and finishes the evaluation.
+bool playAll(const Recording& recording, Evaluation& evaluation) {
+  const Progress bar = progressBar();
+  deferInterrupt();
+  try {
+    play(recording, evaluation, [&bar](double fraction_done) {
+      if (isInterrupted()) throw Interruption();
+      if (bar) bar(fraction_done);
+    });
+  } catch (const Interruption&) {
+    evaluation.finish();
+    return false;
+  }
+  return true;
+}
+
 /// @return the exit status.
-int replay(const std::string& path) {
-  const StopReplay replay = replayStopIn(path);
-  const auto textOf = [](const StopReplay::Found& found) {
-    return std::string(found.stop ? "STOP " : "no stop: ") + found.reason +
-           (found.link.empty() ? "" : " of '" + found.link + "'") +
-           (found.detail.empty() ? "" : ": " + found.detail);
-  };
-  std::cout << formatted("stop     at %s, %.1f s and %zu checks before it\nrecorded ",
-                         stampText(replay.recorded.stamp).c_str(), replay.seconds, replay.checks)
-            << textOf(replay.recorded) << "\nreplayed " << textOf(replay.replayed) << '\n';
-  const bool is_same = replay.recorded == replay.replayed;
-  std::cout << (is_same ? "the same verdict" : "NOT the same verdict") << "; of all checks "
-            << replay.same << " of " << replay.checks << " found the same" << std::endl;
-  return is_same ? kDone : kLimitMissed;
+int conclude(const Options& options, const MonitorConfig& settings, const Evaluation& evaluation,
+             Report* report, bool interrupted) {
+  const std::filesystem::path folder(options.out);
+  auto summary = summaryOf(evaluation, settings);
+  if (interrupted) summary["interrupted"] = true;
+  const auto timing = timesOf(evaluation.totals(), options.report);
+  const std::string path = (folder / "summary.json").string();
+  writeText(path, summary.dump(2) + '\n');
+  writeText((folder / "timing.json").string(), timing.dump(2) + '\n');
+  printSummary(summary, timing, std::cout);
+  printStops(evaluation.totals(), std::cout);
+  std::cout << "written  " << path << std::endl;
+  if (report != nullptr) {
+    report->timeline.close();
+    const auto scenes = report->scenes.json(evaluation, settings, interrupted);
+    writeText((folder / "scenes.json").string(), scenes.dump() + '\n');
+    const int status = runScript("draw_evaluation", {options.out});
+    if (status == kInterrupted) return status;
+    if (status != kDone) throw InputError("the report was not drawn");
+  }
+  if (interrupted) std::cerr << "evaluate: interrupted; what was played until then is written\n";
+  if (interrupted) return kInterrupted;
+  if (evaluation.totals().scans_mapped > 0) return kDone;
+  std::cerr << "evaluate: " << whyNothingMapped(evaluation, settings) << '\n';
+  return kLimitMissed;
 }
 
 int evaluate(Options& options) {
-  if (!options.stop.empty()) return replay(options.stop);
+  if (!options.stop.empty()) return replayStopIn(options.stop, std::cout);
   if (options.out.empty()) throw InputError("--out is required");
   const MonitorConfig settings = readMonitorConfig(options.config);
   const auto model = readModel(options, settings);
   const auto recording = openRecording(options, settings);
   makeFolder(options.out);
   const Dumps dumps(options, settings.sensors());
+  const auto report = options.report ? std::make_unique<Report>(options.out) : nullptr;
+  std::optional<Evaluation> evaluation;
   Evaluation::Observer observer;
   observer.mapped = [&dumps](const Monitor& monitor, std::size_t sensor) {
     if (dumps.points[sensor]) dumpPoints(monitor, sensor, *dumps.points[sensor]);
   };
-  if (dumps.verdicts || dumps.visibility) {
-    observer.checked = [&dumps](const Verdict& verdict, const Checker& checker) {
+  if (dumps.verdicts || dumps.visibility || report) {
+    observer.checked = [&](const Verdict& verdict, const Checker& checker) {
       if (dumps.verdicts) dumpVerdict(verdict, *dumps.verdicts);
       if (dumps.visibility) dumpVisibility(verdict, checker, *dumps.visibility);
+      if (report) report->add(verdict, checker, *evaluation->totals().first_stamp);
     };
   }
-  Evaluation evaluation(settings, model, observer);
-  play(*recording, evaluation, progressBar());
-  requireFixedFrame(evaluation);
+  evaluation.emplace(settings, model, observer);
+  const bool interrupted = !playAll(*recording, *evaluation);
+  if (!interrupted) requireFixedFrame(*evaluation);
   for (std::size_t i = 0; i < dumps.cuboids.size(); ++i) {
-    const CuboidMap* map = evaluation.monitor().map(i);
+    const CuboidMap* map = evaluation->monitor().map(i);
     if (dumps.cuboids[i] && map != nullptr) dumpCuboids(*map, *dumps.cuboids[i]);
   }
   dumps.close();
-
-  const auto summary = summaryOf(evaluation, settings);
-  const std::string path = (std::filesystem::path(options.out) / "summary.json").string();
-  writeText(path, summary.dump(2) + '\n');
-  printSummary(summary, std::cout);
-  printStops(evaluation.totals(), std::cout);
-  std::cout << "written  " << path << std::endl;
-  if (evaluation.totals().scans_mapped > 0) return kDone;
-  std::cerr << "evaluate: " << whyNothingMapped(evaluation, settings) << '\n';
-  return kLimitMissed;
+  return conclude(options, settings, *evaluation, report.get(), interrupted);
 }
 
 }  // namespace

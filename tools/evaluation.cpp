@@ -170,6 +170,7 @@ void Evaluation::mapReady(SourceOf& source, std::size_t sensor) {
     if (monitor_.hasRobot()) {
       check();
       totals_.timings.scan_to_verdict.push_back(stopwatch.lapMicroseconds());
+      totals_.timings.verdict_at.push_back(*now_);
     }
     count(outcome, sensor);
     if (observer_.mapped) observer_.mapped(monitor_, sensor);

@@ -44,6 +44,7 @@ struct Timings {
   std::vector<double> occlusion;
   std::vector<double> evidence;
   std::vector<double> scan_to_verdict;  ///< from a scan with its transforms to the check on its map
+  std::vector<Time> verdict_at;         ///< when each of these checks was, by the recording
 };
 
 /// What the sensor did not see, and how old what it saw was.

@@ -1,9 +1,11 @@
 #include "program.h"
 
 #include <console_bridge/console.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
@@ -15,6 +17,8 @@
 
 namespace tccm {
 namespace {
+
+volatile std::sig_atomic_t interrupted = 0;
 
 /// In quotes for a shell.
 std::string quoted(const std::string& text) {
@@ -74,13 +78,23 @@ void makeFolder(const std::string& path) {
   if (!std::filesystem::is_directory(path)) throw InputError("cannot make the folder " + path);
 }
 
-bool runScript(const std::string& script, const std::vector<std::string>& arguments) {
+int runScript(const std::string& script, const std::vector<std::string>& arguments) {
   const auto folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
   std::string command = quoted((folder / script).string());
   for (const std::string& argument : arguments) command += " " + quoted(argument);
   std::fflush(stdout);
-  return std::system(command.c_str()) == 0;
+  const int status = std::system(command.c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
+
+void deferInterrupt() {
+  struct sigaction action = {};
+  action.sa_handler = [](int /*signal*/) { interrupted = 1; };
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  sigaction(SIGINT, &action, nullptr);
+}
+
+bool isInterrupted() { return interrupted != 0; }
 
 void tellWarnings(const RobotModel& model, const std::string& program) {
   for (const std::string& warning : model.warnings()) {

@@ -15,6 +15,7 @@ namespace tccm {
 constexpr int kDone = 0;
 constexpr int kLimitMissed = 1;
 constexpr int kBadInput = 2;
+constexpr int kInterrupted = 130;  ///< by Ctrl-C
 
 /// Parses a program's arguments and does its work. What help prints goes to standard output; of
 /// what is wrong standard error gets one line that begins with the program's name.
@@ -65,8 +66,13 @@ void writeText(const std::string& path, const std::string& text);
 void makeFolder(const std::string& path);
 
 /// Runs one of the scripts that are installed beside the program. What it prints is printed.
-/// @return whether it succeeded.
-[[nodiscard]] bool runScript(const std::string& script, const std::vector<std::string>& arguments);
+/// @return its exit status; 128 and its number where a signal ended it.
+[[nodiscard]] int runScript(const std::string& script, const std::vector<std::string>& arguments);
+
+/// From now on the first Ctrl-C ends nothing by itself; the second does.
+void deferInterrupt();
+/// Whether that Ctrl-C came.
+[[nodiscard]] bool isInterrupted();
 
 /// What of a robot is taken otherwise than it stands, a line each on standard error.
 void tellWarnings(const RobotModel& model, const std::string& program);

@@ -24,7 +24,7 @@ class Recording {
         cloud;
     std::function<void(const sensor_msgs::JointState&, const std::string& publisher)> joint_states;
     std::function<void(const tf2_msgs::TFMessage&, bool is_static)> transforms;
-    std::function<void(double fraction)> progress;  ///< may be empty; from 0 to 1
+    std::function<void(double fraction)> progress;  ///< may be empty; from 0 to 1. May throw
   };
 
   Recording() = default;

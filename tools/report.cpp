@@ -141,17 +141,6 @@ Json agreementOf(const Evaluation& evaluation, double tolerance_m) {
           {"not_compared", agreement.notCompared()}};
 }
 
-Json timesOf(const Timings& timings) {
-  return {{"assemble", percentiles(timings.assemble)},
-          {"integrate", percentiles(timings.integrate)},
-          {"snapshot", percentiles(timings.snapshot)},
-          {"collision", percentiles(timings.collision)},
-          {"occlusion", percentiles(timings.occlusion)},
-          {"evidence", percentiles(timings.evidence)},
-          {"clearance", percentiles(timings.clearance)},
-          {"scan_to_verdict", percentiles(timings.scan_to_verdict)}};
-}
-
 /// To three digits, for people.
 std::string number(const Json& value) {
   if (!value.is_number_float()) return value.is_null() ? "-" : value.dump();
@@ -245,8 +234,7 @@ Json summaryOf(const Evaluation& evaluation, const MonitorConfig& settings) {
       {"stop_segments", stopSegmentsOf(totals)},
       {"time_jumps", totals.time_jumps},
       {"duration_s",
-       any ? Json(rounded(toSeconds(*totals.last_stamp - *totals.first_stamp))) : Json(nullptr)},
-      {"time_us", timesOf(totals.timings)}};
+       any ? Json(rounded(toSeconds(*totals.last_stamp - *totals.first_stamp))) : Json(nullptr)}};
   if (!settings.named_sensors.empty()) {
     summary.erase("map");
     summary["sensors"] = sensorsOf(evaluation, settings);
@@ -294,7 +282,29 @@ void printScans(const Json& summary, const std::string& sensor, std::ostream& ou
 
 }  // namespace
 
-void printSummary(const Json& summary, std::ostream& out) {
+Json timesOf(const Totals& totals, bool each) {
+  const Timings& timings = totals.timings;
+  Json json{{"time_us",
+             {{"assemble", percentiles(timings.assemble)},
+              {"integrate", percentiles(timings.integrate)},
+              {"snapshot", percentiles(timings.snapshot)},
+              {"collision", percentiles(timings.collision)},
+              {"occlusion", percentiles(timings.occlusion)},
+              {"evidence", percentiles(timings.evidence)},
+              {"clearance", percentiles(timings.clearance)},
+              {"scan_to_verdict", percentiles(timings.scan_to_verdict)}}}};
+  if (!each) return json;
+  Json& checks = json["scans"];
+  checks = {{"time_s", Json::array()}, {"scan_to_verdict_us", Json::array()}};
+  for (std::size_t i = 0; i < timings.verdict_at.size(); ++i) {
+    const Duration since = timings.verdict_at[i] - *totals.first_stamp;
+    checks["time_s"].push_back(std::nearbyint(toSeconds(since) * 1e3) / 1e3);
+    checks["scan_to_verdict_us"].push_back(std::nearbyint(timings.scan_to_verdict[i] * 10) / 10);
+  }
+  return json;
+}
+
+void printSummary(const Json& summary, const Json& timing, std::ostream& out) {
   if (summary.contains("sensors")) {
     for (const auto& [name, sensor] : summary["sensors"].items()) {
       out << "sensor   " << name << "\n";
@@ -326,7 +336,7 @@ void printSummary(const Json& summary, std::ostream& out) {
     out << "warning  time jumped back " << summary["time_jumps"]
         << " times; each time all started anew\n";
   }
-  const Json& times = summary["time_us"];
+  const Json& times = timing["time_us"];
   out << "time     assemble " << number(times["assemble"]["p50"]) << " us, integrate "
       << number(times["integrate"]["p50"]) << " us, scan to verdict "
       << number(times["scan_to_verdict"]["p50"]) << " us (medians)\n";

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "evaluation.h"
+#include "program.h"
 
 namespace tccm {
 
@@ -20,13 +21,18 @@ class CsvFile {
   void line(const char* format, Values... values) {
     char text[512];
     const int length = std::snprintf(text, sizeof text, format, values...);
-    write(text, length);
+    if (length < static_cast<int>(sizeof text)) {
+      write(text, length);
+    } else {
+      write(formatted(format, values...));
+    }
   }
   /// @throws InputError where not all of it could be written.
   void close();
 
  private:
   void write(const char* text, int length);
+  void write(const std::string& text) { write(text.data(), static_cast<int>(text.size())); }
 
   std::string path_;
   std::ofstream stream_;
@@ -46,11 +52,14 @@ void dumpVerdict(const Verdict& verdict, CsvFile& file);
 /// check's.
 void dumpVisibility(const Verdict& verdict, const Checker& checker, CsvFile& file);
 
-/// All figures of a run; only time_us differs between two runs.
+/// All figures of a run but how long things took: the same in each run.
 [[nodiscard]] nlohmann::ordered_json summaryOf(const Evaluation& evaluation,
                                                const MonitorConfig& settings);
-/// The same for people, in a few lines.
-void printSummary(const nlohmann::ordered_json& summary, std::ostream& out);
+/// How long things took. @param each besides the percentiles, of each check after a scan.
+[[nodiscard]] nlohmann::ordered_json timesOf(const Totals& totals, bool each);
+/// Both for people, in a few lines.
+void printSummary(const nlohmann::ordered_json& summary, const nlohmann::ordered_json& timing,
+                  std::ostream& out);
 /// A line for each of the first 20 stops: when, for how long, reason, link and detail.
 void printStops(const Totals& totals, std::ostream& out);
 /// Why a sensor's scans were dropped for that reason, and what to set.

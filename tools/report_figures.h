@@ -26,6 +26,10 @@ struct Stop {
 };
 /// Valid as long as the totals.
 [[nodiscard]] std::vector<Stop> stopsOf(const Totals& totals);
+/// Worse reasons are larger; of one reason the first.
+[[nodiscard]] const StopRun& gravestOf(const Stop& stop);
+/// Each reason and link once, in the order in which they came; empty where there is but one.
+[[nodiscard]] std::string inTurn(const Stop& stop);
 /// The summary's list of what the stops were for, one entry a reason.
 [[nodiscard]] nlohmann::ordered_json stopSegmentsOf(const Totals& totals);
 

@@ -48,7 +48,7 @@ Json primitivesJson(const RobotModel& model, const std::vector<Pose>& T_fixed_sh
 void drawPrimitives(const Json& scene, const std::string& picture) {
   const std::string file = picture + ".json";
   writeText(file, scene.dump());
-  const bool drawn = runScript("draw_primitives", {file, picture});
+  const bool drawn = runScript("draw_primitives", {file, picture}) == kDone;
   std::error_code ignored;
   std::filesystem::remove(file, ignored);
   if (!drawn) throw InputError("the picture " + picture + " could not be drawn");

@@ -20,14 +20,14 @@ std::string reasonText(const StopRun& run) {
   return name(run.reason) + (run.link.empty() ? "" : " of '" + run.link + "'");
 }
 
-/// Worse reasons are larger.
+}  // namespace
+
 const StopRun& gravestOf(const Stop& stop) {
   return **std::max_element(
       stop.runs.begin(), stop.runs.end(),
       [](const StopRun* a, const StopRun* b) { return a->reason < b->reason; });
 }
 
-/// Each reason and link once, in the order in which they came; empty where there is but one.
 std::string inTurn(const Stop& stop) {
   std::vector<std::string> texts;
   for (const StopRun* run : stop.runs) {
@@ -44,6 +44,8 @@ std::string inTurn(const Stop& stop) {
   }
   return line;
 }
+
+namespace {
 
 std::string lineOfStop(const Stop& stop, Time start) {
   const Time from = stop.runs.front()->from;

@@ -326,11 +326,17 @@ void CollisionChecker::publish() {
     status.stopped_by = tccm::name(stop_cause_.reason());
     status.stopped_by_detail = stop_cause_.detail();
   }
+  status.advice = advice();
   status.scan_to_verdict_s = static_cast<float>(latencies_.scan_to_verdict_s);
   status.transform_wait_s = static_cast<float>(latencies_.transform_wait_s);
   status.ready_to_verdict_s = static_cast<float>(latencies_.ready_to_verdict_s);
   status.check_us = static_cast<float>(check_us_);
   status_publisher_.publish(status);
+}
+
+std::string CollisionChecker::advice() const {
+  const std::string text = advice_.about(name(verdict_->reason), name(verdict_->level));
+  return text == "nothing" ? "" : text;
 }
 
 void CollisionChecker::publishPictures() {
@@ -377,6 +383,7 @@ void CollisionChecker::diagnose(diagnostic_updater::DiagnosticStatusWrapper& sta
                                  DiagnosticStatus::WARN, DiagnosticStatus::ERROR};
   status.summary(levels[static_cast<std::size_t>(verdict_->level)],
                  std::string(tccm::name(verdict_->reason)) + " " + verdict_->detail);
+  if (const std::string text = advice(); !text.empty()) status.add("to do", text);
   status.add("speed scale", verdict_->speed_scale);
   status.add("checks", checks_);
   status.add("check [us]", check_us_);

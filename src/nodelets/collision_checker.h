@@ -26,8 +26,9 @@
 #include "nodelets/diagnosed_nodelet.h"
 #include "nodelets/scan_tracer.h"
 #include "nodelets/sensor_feed.h"
-#include "nodelets/stop_cause.h"
 #include "nodelets/tuning.h"
+#include "ros/stop_cause.h"
+#include "ros/advice.h"
 #include "ros/transform_history.h"
 #include "stops/stop_recorder.h"
 
@@ -102,6 +103,8 @@ class CollisionChecker : public DiagnosedNodelet {
   /// Whether simulated time stands still, so that nothing can grow old by it.
   [[nodiscard]] bool clockStalls();
   void tellChange(const Verdict& verdict);
+  /// What helps against what the last check found; empty where nothing has to.
+  [[nodiscard]] std::string advice() const;
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) override;
   void diagnoseAgreement(diagnostic_updater::DiagnosticStatusWrapper& status) const;
   void diagnoseEvidence(diagnostic_updater::DiagnosticStatusWrapper& status) const;
@@ -137,6 +140,7 @@ class CollisionChecker : public DiagnosedNodelet {
   ros::WallTime clock_moved_;  ///< when it last differed from the one before
   std::optional<Reason> told_;
   StopCause stop_cause_;
+  Advice advice_ = Advice::ofThePage();
   std::unique_ptr<StopRecorder> recorder_;  ///< null: stops are not kept
   std::string told_stop_defect_;
   bool told_velocity_ = false;

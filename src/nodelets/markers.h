@@ -8,7 +8,7 @@
 #include <string>
 
 #include "check/checker_config.h"
-#include "nodelets/stop_cause.h"
+#include "ros/stop_cause.h"
 
 namespace tccm {
 

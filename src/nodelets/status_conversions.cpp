@@ -88,27 +88,6 @@ void addMap(const Verdict& verdict, const CuboidMap& map, MonitorStatus& message
 
 }  // namespace
 
-const char* name(Level level) {
-  const char* const names[] = {"OK", "SLOW", "STOP", "FAULT"};
-  return names[static_cast<std::size_t>(level)];
-}
-
-std::vector<Flagged> flaggedBy(const Verdict& verdict) {
-  std::vector<Flagged> flagged;
-  for (const PoseFindings* found : {&verdict.now, &verdict.ahead}) {
-    for (const Contact& contact : found->contacts) {
-      flagged.push_back({contact.cuboid, tccm_monitor::Cuboid::COLLISION});
-    }
-    for (const std::uint32_t cuboid : found->occluding_cuboids) {
-      flagged.push_back({cuboid, tccm_monitor::Cuboid::OCCLUSION});
-    }
-  }
-  if (verdict.approached) {
-    flagged.push_back({verdict.approached->cuboid, tccm_monitor::Cuboid::COLLISION});
-  }
-  return flagged;
-}
-
 tccm_monitor::CuboidFlag toFlag(const CuboidMap& map, std::uint32_t index, std::uint8_t col) {
   const Cuboid& cuboid = map.cuboids[index];
   tccm_monitor::CuboidFlag flag;

@@ -7,19 +7,9 @@
 #include <vector>
 
 #include "check/checker_config.h"
+#include "ros/stop_cause.h"
 
 namespace tccm {
-
-/// "OK", "SLOW", "STOP" or "FAULT".
-[[nodiscard]] const char* name(Level level);
-
-/// A cuboid, and why: col as in Cuboid.msg.
-struct Flagged {
-  std::uint32_t cuboid;
-  std::uint8_t col;
-};
-/// What links touch, or hide behind, at the present pose and at the end of the way ahead.
-[[nodiscard]] std::vector<Flagged> flaggedBy(const Verdict& verdict);
 
 [[nodiscard]] tccm_monitor::CuboidFlag toFlag(const CuboidMap& map, std::uint32_t cuboid,
                                               std::uint8_t col);

@@ -1,8 +1,6 @@
-#include "nodelets/stop_cause.h"
+#include "ros/stop_cause.h"
 
 #include <tccm_monitor/Cuboid.h>
-
-#include "nodelets/status_conversions.h"
 
 namespace tccm {
 namespace {
@@ -13,6 +11,27 @@ bool endsAStop(Reason reason) {
 }
 
 }  // namespace
+
+const char* name(Level level) {
+  const char* const names[] = {"OK", "SLOW", "STOP", "FAULT"};
+  return names[static_cast<std::size_t>(level)];
+}
+
+std::vector<Flagged> flaggedBy(const Verdict& verdict) {
+  std::vector<Flagged> flagged;
+  for (const PoseFindings* found : {&verdict.now, &verdict.ahead}) {
+    for (const Contact& contact : found->contacts) {
+      flagged.push_back({contact.cuboid, tccm_monitor::Cuboid::COLLISION});
+    }
+    for (const std::uint32_t cuboid : found->occluding_cuboids) {
+      flagged.push_back({cuboid, tccm_monitor::Cuboid::OCCLUSION});
+    }
+  }
+  if (verdict.approached) {
+    flagged.push_back({verdict.approached->cuboid, tccm_monitor::Cuboid::COLLISION});
+  }
+  return flagged;
+}
 
 std::vector<FlaggedBox> flaggedBoxes(const Verdict& verdict, const CuboidMap& map) {
   std::vector<FlaggedBox> boxes;

@@ -10,6 +10,17 @@
 
 namespace tccm {
 
+/// "OK", "SLOW", "STOP" or "FAULT".
+[[nodiscard]] const char* name(Level level);
+
+/// A cuboid, and why: col as in Cuboid.msg.
+struct Flagged {
+  std::uint32_t cuboid;
+  std::uint8_t col;
+};
+/// What links touch, or hide behind, at the present pose and at the end of the way ahead.
+[[nodiscard]] std::vector<Flagged> flaggedBy(const Verdict& verdict);
+
 /// A cuboid's box, and its col as in Cuboid.msg.
 using FlaggedBox = std::pair<UprightBox, std::uint8_t>;
 
