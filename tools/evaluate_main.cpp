@@ -14,6 +14,7 @@
 #include "report.h"
 #include "stop_scenes.h"
 #include "timeline.h"
+#include "what_if.h"
 
 namespace tccm {
 namespace {
@@ -33,6 +34,9 @@ struct Options {
   std::string dump_verdicts;
   std::string dump_visibility;
   bool report = false;
+  std::vector<std::string> compare;
+  std::string sweep;
+  std::string reference;
 };
 
 void describe(CLI::App& app, Options& options) {
@@ -74,6 +78,17 @@ void describe(CLI::App& app, Options& options) {
   app.add_flag("--report", options.report,
                "for people: report.html, with pictures of each stop beside it, and what they are "
                "drawn from");
+  auto* compare = app.add_option("--compare", options.compare,
+                                 "two configurations: which stops come, go and move from the first "
+                                 "to the second");
+  compare->expected(2);
+  auto* sweep = app.add_option("--sweep", options.sweep,
+                               "key=from:to:step: the stops, clearance and cost at each value of "
+                               "one parameter, and against those of --reference");
+  app.add_option("--reference", options.reference,
+                 "configuration whose stops are right; without it that of --config")
+      ->needs(sweep);
+  compare->excludes(sweep);
   app.add_option("--dump-points", options.dump_points,
                  "CSV of the points that reached the map: scan,x,y,z; of sensors with names one "
                  "each, FILE.NAME.csv");
@@ -238,9 +253,28 @@ int conclude(const Options& options, const MonitorConfig& settings, const Evalua
   return kLimitMissed;
 }
 
+/// What other configurations would have made of it. @return the exit status.
+int askWhatIf(const Options& options) {
+  makeFolder(options.out);
+  const WhatIf what_if{
+      [&options](const MonitorConfig& settings) { return openRecording(options, settings); },
+      [&options](const MonitorConfig& settings) { return readModel(options, settings); },
+      options.out};
+  const auto trialOf = [](const std::string& config) {
+    return Trial{config.empty() ? "the defaults" : config, readMonitorConfig(config)};
+  };
+  if (!options.compare.empty()) {
+    return compareTrials(what_if, {trialOf(options.compare[0]), trialOf(options.compare[1])});
+  }
+  return sweepTrials(what_if,
+                     trialOf(options.reference.empty() ? options.config : options.reference),
+                     sweptTrials(options.config, options.sweep));
+}
+
 int evaluate(Options& options) {
   if (!options.stop.empty()) return replayStopIn(options.stop, std::cout);
   if (options.out.empty()) throw InputError("--out is required");
+  if (!options.compare.empty() || !options.sweep.empty()) return askWhatIf(options);
   const MonitorConfig settings = readMonitorConfig(options.config);
   const auto model = readModel(options, settings);
   const auto recording = openRecording(options, settings);

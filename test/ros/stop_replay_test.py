@@ -21,6 +21,8 @@ KINDS = {"joint_states": ("stopped", "late", "one joint missing", "in degrees"),
          "nodelets": ("checks too slow", "unknown joint commanded")}
 OBSTACLE_STOPS = 3
 PATIENCE = 60.0  # seconds
+# Whether there is a camera -> prefix of topics, points.
+SENSORS = {True: [("laser/", "scan_cloud"), ("camera/", "cloud_scan")], False: [("", "scan_cloud")]}
 INPUTS = {"/joint_states", "/tf", "calls", "state", "configuration", "robot_description", "primitives"}
 
 
@@ -85,9 +87,7 @@ class StopReplayTest(unittest.TestCase):
             with self.subTest(path.name), rosbag.Bag(str(path)) as bag:
                 topics = set(bag.get_type_and_topic_info().topics)
                 self.assertLessEqual(INPUTS, topics)
-                for sensor in rospy.get_param("~sensors").split(","):
-                    prefix = sensor + "/" if "," in rospy.get_param("~sensors") else ""
-                    points = "cloud_scan" if sensor == "camera" else "scan_cloud"
+                for prefix, points in SENSORS[rospy.get_param("~camera")]:
                     self.assertLessEqual({prefix + "cuboid_map", prefix + "scan_report", prefix + points}, topics)
                 calls = [call for _, call, _ in bag.read_messages("calls")]
                 self.assertTrue(calls[-1].stop)
