@@ -134,7 +134,7 @@ class CollisionChecker : public DiagnosedNodelet {
   ros::Time checked_;          ///< at the last check
   ros::Time clock_;            ///< at the last publication
   ros::WallTime clock_moved_;  ///< when it last differed from the one before
-  std::optional<Reason> told_;
+  ToldChanges told_;
   StopCause stop_cause_;
   bool told_velocity_ = false;
   bool told_limit_ = false;

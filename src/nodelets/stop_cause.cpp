@@ -2,6 +2,8 @@
 
 #include <tccm_monitor/Cuboid.h>
 
+#include <utility>
+
 #include "nodelets/status_conversions.h"
 
 namespace tccm {
@@ -35,6 +37,23 @@ void StopCause::follow(const Verdict& verdict, const CuboidMap* map) {
     const Cuboid& touched = map->cuboids[verdict.first_contact->contact.cuboid];
     boxes_.emplace_back(map->box(touched), std::uint8_t{tccm_monitor::Cuboid::COLLISION});
   }
+}
+
+bool ToldChanges::isNews(const Verdict& verdict) {
+  constexpr Duration kWhile = std::chrono::seconds(1);
+  const What now{verdict.level, verdict.reason};
+  const bool is_of_stop = now.level >= Level::kStop || now.reason == Reason::kMovingOut;
+  if (is_of_stop != std::exchange(is_of_stop_, is_of_stop)) seen_.fill(std::nullopt);
+  std::optional<Time>& seen = seen_[static_cast<std::size_t>(now.reason)];
+  if (!(now == current_)) {
+    current_ = now;
+    since_ = verdict.stamp;
+    is_back_ = seen && verdict.stamp >= *seen && verdict.stamp - *seen <= kWhile;
+  }
+  seen = verdict.stamp;
+  if (now == told_ || (is_back_ && verdict.stamp - since_ < kWhile)) return false;
+  told_ = now;
+  return true;
 }
 
 bool StopCause::outlives(const Verdict& verdict) const {
