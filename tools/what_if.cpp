@@ -190,8 +190,8 @@ Json jsonOf(const Run& run) {
   for (const ComparedStop& stop : run.stops) stops.push_back(jsonOf(stop));
   return {{"name", run.name},
           {"duration_s", run.duration_s},
-          {"stop_fraction", run.summary["stop_fraction"]},
-          {"slow_fraction", run.summary["slow_fraction"]},
+          {"stop_fraction", run.summary.at("stop_fraction")},
+          {"slow_fraction", run.summary.at("slow_fraction")},
           {"least_clearance_m",
            run.least_clearance_m ? Json(rounded(*run.least_clearance_m)) : Json(nullptr)},
           {"stops", stops}};
@@ -289,9 +289,10 @@ int sweepTrials(const WhatIf& what_if, const Trial& reference, const std::vector
     row["false_stops"] = come;
     row["missed_stops"] = gone;
     json["runs"].push_back(row);
-    const Json cost{{"name", run.name}, {"scan_to_verdict", run.timing["scan_to_verdict"]}};
+    const Json cost{{"name", run.name},
+                    {"scan_to_verdict", run.timing.at("time_us").at("scan_to_verdict")}};
     timing.push_back(cost);
-    const Json& share = run.summary["stop_fraction"];
+    const Json& share = run.summary.at("stop_fraction");
     std::cout << formatted(
         "%-9s %5zu  %5zu  %6zu  %7.1f %%  %s\n", run.name.c_str(), run.stops.size(), come, gone,
         share.is_null() ? 0.0 : 100.0 * share.get<double>(),
