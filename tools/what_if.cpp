@@ -26,8 +26,9 @@ constexpr std::size_t kTrialsMax = 1000;
 struct Run {
   std::string name;
   std::vector<ComparedStop> stops;
-  Json summary, timing;
   double duration_s = 0.0;
+  std::optional<double> stop_fraction, slow_fraction;
+  std::optional<double> p50_us, p99_us;     ///< from scan to verdict
   std::optional<double> least_clearance_m;  ///< while motion was permitted
 };
 
@@ -43,11 +44,18 @@ std::vector<ComparedStop> comparedStopsOf(const Totals& totals) {
   return stops;
 }
 
+std::optional<double> numberIn(const Json& json) {
+  return json.is_null() ? std::nullopt : std::optional<double>(json.get<double>());
+}
+
+Json jsonOf(const std::optional<double>& number) { return number ? Json(*number) : Json(nullptr); }
+
 void noteClearance(const Verdict& verdict, std::optional<double>& least_m) {
   if (verdict.stop) return;
   for (const LinkClearance& clearance : verdict.clearances) {
     if (!std::isfinite(clearance.distance_m)) continue;
-    least_m = std::min(least_m.value_or(clearance.distance_m), clearance.distance_m);
+    const double distance_m = rounded(clearance.distance_m);
+    least_m = std::min(least_m.value_or(distance_m), distance_m);
   }
 }
 
@@ -62,8 +70,13 @@ Run runOf(const WhatIf& what_if, const Trial& trial, const Progress& progress) {
   play(*what_if.open(trial.settings), evaluation, progress);
   const Totals& totals = evaluation.totals();
   run.stops = comparedStopsOf(totals);
-  run.summary = summaryOf(evaluation, trial.settings);
-  run.timing = timesOf(totals, false);
+  const Json summary = summaryOf(evaluation, trial.settings);
+  run.stop_fraction = numberIn(summary.at("stop_fraction"));
+  run.slow_fraction = numberIn(summary.at("slow_fraction"));
+  const Json timing = timesOf(totals, false);
+  const Json& took = timing.at("time_us").at("scan_to_verdict");
+  run.p50_us = numberIn(took.at("p50"));
+  run.p99_us = numberIn(took.at("p99"));
   if (totals.last_stamp)
     run.duration_s = rounded(toSeconds(*totals.last_stamp - *totals.first_stamp));
   return run;
@@ -170,7 +183,8 @@ std::string sectionOf(const std::string& key) {
   });
   if (found.size() == 1) return found.front();
   std::string sections;
-  for (const std::string& section : found) sections += " " + section + "/" + key;
+  for (const std::string& section : found)
+    sections.append(" ").append(section).append("/").append(key);
   throw InputError("--sweep: " + (found.empty() ? "there is no parameter " + key
                                                 : key + " may be any of" + sections));
 }
@@ -190,10 +204,9 @@ Json jsonOf(const Run& run) {
   for (const ComparedStop& stop : run.stops) stops.push_back(jsonOf(stop));
   return {{"name", run.name},
           {"duration_s", run.duration_s},
-          {"stop_fraction", run.summary.at("stop_fraction")},
-          {"slow_fraction", run.summary.at("slow_fraction")},
-          {"least_clearance_m",
-           run.least_clearance_m ? Json(rounded(*run.least_clearance_m)) : Json(nullptr)},
+          {"stop_fraction", jsonOf(run.stop_fraction)},
+          {"slow_fraction", jsonOf(run.slow_fraction)},
+          {"least_clearance_m", jsonOf(run.least_clearance_m)},
           {"stops", stops}};
 }
 
@@ -289,13 +302,13 @@ int sweepTrials(const WhatIf& what_if, const Trial& reference, const std::vector
     row["false_stops"] = come;
     row["missed_stops"] = gone;
     json["runs"].push_back(row);
-    const Json cost{{"name", run.name},
-                    {"scan_to_verdict", run.timing.at("time_us").at("scan_to_verdict")}};
+    const Json cost{
+        {"name", run.name},
+        {"scan_to_verdict", {{"p50", jsonOf(run.p50_us)}, {"p99", jsonOf(run.p99_us)}}}};
     timing.push_back(cost);
-    const Json& share = run.summary.at("stop_fraction");
     std::cout << formatted(
         "%-9s %5zu  %5zu  %6zu  %7.1f %%  %s\n", run.name.c_str(), run.stops.size(), come, gone,
-        share.is_null() ? 0.0 : 100.0 * share.get<double>(),
+        100.0 * run.stop_fraction.value_or(0.0),
         run.least_clearance_m ? formatted("%.3f m", *run.least_clearance_m).c_str() : "-");
   }
   writeText((std::filesystem::path(what_if.out) / "sweep_timing.json").string(),

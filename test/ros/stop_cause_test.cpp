@@ -1,4 +1,4 @@
-#include "nodelets/stop_cause.h"
+#include "ros/stop_cause.h"
 
 #include <gtest/gtest.h>
 
