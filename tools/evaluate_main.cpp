@@ -33,6 +33,7 @@ struct Options {
   std::string dump_verdicts;
   std::string dump_visibility;
   bool report = false;
+  bool no_times = false;
 };
 
 void describe(CLI::App& app, Options& options) {
@@ -74,6 +75,8 @@ void describe(CLI::App& app, Options& options) {
   app.add_flag("--report", options.report,
                "for people: report.html, with pictures of each stop beside it, and what they are "
                "drawn from");
+  app.add_flag("--no-times", options.no_times,
+               "no computing times: all that is written is the same in each run");
   app.add_option("--dump-points", options.dump_points,
                  "CSV of the points that reached the map: scan,x,y,z; of sensors with names one "
                  "each, FILE.NAME.csv");
@@ -210,17 +213,29 @@ bool playAll(const Recording& recording, Evaluation& evaluation) {
   return true;
 }
 
+/// Where they are asked for. Those of an earlier run would be drawn.
+void writeTimes(const Options& options, const Totals& totals) {
+  const std::filesystem::path path = std::filesystem::path(options.out) / "timing.json";
+  if (options.no_times) {
+    std::error_code ignored;
+    std::filesystem::remove(path, ignored);
+    return;
+  }
+  const auto timing = timesOf(totals, options.report);
+  writeText(path.string(), timing.dump(2) + '\n');
+  printTimes(timing, std::cout);
+}
+
 /// @return the exit status.
 int conclude(const Options& options, const MonitorConfig& settings, const Evaluation& evaluation,
              Report* report, bool interrupted) {
   const std::filesystem::path folder(options.out);
   auto summary = summaryOf(evaluation, settings);
   if (interrupted) summary["interrupted"] = true;
-  const auto timing = timesOf(evaluation.totals(), options.report);
   const std::string path = (folder / "summary.json").string();
   writeText(path, summary.dump(2) + '\n');
-  writeText((folder / "timing.json").string(), timing.dump(2) + '\n');
-  printSummary(summary, timing, std::cout);
+  printSummary(summary, std::cout);
+  writeTimes(options, evaluation.totals());
   printStops(evaluation.totals(), std::cout);
   std::cout << "written  " << path << std::endl;
   if (report != nullptr) {
