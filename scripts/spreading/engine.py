@@ -14,7 +14,7 @@ from . import job
 
 RETRIES = 2  # of what could not be done there; of workers that die the scheduler's own limit counts
 CONNECT_S = 10
-END_S = 10  # that what was cancelled has until it has to have ended
+END_S = 20  # that what was cancelled has until it has to have ended
 KILLED = 137
 
 

@@ -16,6 +16,8 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
+import unittest
 import urllib.parse
 
 import yaml
@@ -24,7 +26,12 @@ from dask_cluster import ClusterTest, files_in, has_session, is_gone, pids_in, w
 from evaluate_run import CONFIGS
 from made_bag import CONFIG, URDF, Stream
 
+sys.dont_write_bytecode = True
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(REPOSITORY / "scripts"))
+from evaluations import baseline  # noqa: E402
+from spreading import engine  # noqa: E402
+
 SCRIPT = REPOSITORY / "scripts" / "evaluate_all"
 DUAL_ARM = REPOSITORY / "simulation/robot/dual_arm.urdf"
 HOSTILE = "<img src=x onerror='alert(1)'> & \"more\" %41 #1"
@@ -98,7 +105,11 @@ class OnThisComputer(EvaluateAllTest):
         recordings = self.listed(slides, {"bag": "simulated.bag", "urdf": str(DUAL_ARM),
                                           "config": os.path.join(CONFIGS, "simulation.yaml")},
                                  {"bag": "cut.bag"}, {"bag": "nowhere.bag"})
+        for name in ("summary.json", "report.html", "stop_49.png", "mine.txt"):
+            (self.folder / "out" / "cut").mkdir(parents=True, exist_ok=True)
+            (self.folder / "out" / "cut" / name).write_text("{}", encoding="utf-8")
         out = self.call(recordings, "--jobs", "2", status=1)
+        self.assertEqual(sorted(os.listdir(out / "cut")), ["console.txt", "mine.txt"], "of an earlier run all is gone")
         rows = self.rows(out)
         self.assertEqual([row["name"] for row in rows], [HOSTILE, "cut", "nowhere", "simulated"])
         self.assertEqual([row["exit_status"] for row in rows], ["0", "2", "2", "0"])
@@ -130,7 +141,7 @@ class OnThisComputer(EvaluateAllTest):
         shutil.copy(self.folder / "all/arm/deep/slides.bag", self.folder / "all/alone/slides.bag")
         (self.folder / "all/arm/evaluate.yaml").write_text("{urdf: ../../robot.urdf, config: ../../config.yaml}\n",
                                                            encoding="utf-8")
-        (self.folder / "all/alone/evaluate.yaml").write_text("config: ../../config.yaml\n", encoding="utf-8")
+        (self.folder / "all/evaluate.yaml").write_text("config: ../config.yaml\n", encoding="utf-8")
         rows = self.rows(self.call(self.folder / "all"))
         self.assertEqual([row["name"] for row in rows], ["alone_slides", "arm_deep_slides"])
         self.assertEqual([int(row["checks"]) > 0 for row in rows], [False, True])
@@ -208,8 +219,10 @@ class OnThisComputer(EvaluateAllTest):
                         if line.startswith("done "):
                             break
                     wait_until(lambda: len(pids_in(pids)) == 2, "the other runs")
+                    begin = time.monotonic()
                     os.killpg(run.pid, signal.SIGINT)
                     _output, error = run.communicate(timeout=60)
+                self.assertLess(time.monotonic() - begin, engine.END_S - 5, "it waits for no worker that is gone")
                 self.assertEqual(run.returncode, 130, error)
                 self.assertIn("evaluate_all: interrupted", error)
                 self.assertNotIn("Traceback", error)
@@ -218,6 +231,61 @@ class OnThisComputer(EvaluateAllTest):
                 self.assertFalse((out / "blocks").exists())
                 wait_until(lambda: all(is_gone(pid) for pid in pids_in(pids)), "what it started is gone")
                 wait_until(lambda: not has_session(run.pid), "nothing of it is left")
+
+
+class Baselines(unittest.TestCase):
+    """Without programs: what counts as a change."""
+
+    def setUp(self):
+        scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(scratch.cleanup)
+        self.folder = pathlib.Path(scratch.name)
+        self.stops = [dict(stop=1, from_s=1.0, to_s=2.0, reason="INIT", link="", detail=""),
+                      dict(stop=1, from_s=2.0, to_s=3.0, reason="COLLISION", link="hand", detail=""),
+                      dict(stop=2, from_s=5.0, to_s=6.0, reason="NO_MAP", link="", detail="")]
+        self.checks = ["1.0,STOP,INIT,", "2.0,STOP,COLLISION,hand"]
+        self.lay("before", self.stops, self.checks)
+
+    def lay(self, out, stops, checks):
+        folder = self.folder / out / "run"
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder.parent / "results.json").write_text('{"recordings": [{"name": "run", "exit_status": 0}]}', encoding="utf-8")
+        (folder / "summary.json").write_text(json.dumps({"stop_segments": stops}), encoding="utf-8")
+        (folder / "timeline.csv").write_text("\n".join(["stamp,level,reason,link", *checks, ""]), encoding="utf-8")
+
+    def change(self, stops=None, checks=None, status=0):
+        """@return status, and what is told of stops."""
+        self.lay("now", self.stops if stops is None else stops, self.checks if checks is None else checks)
+        earlier = baseline.Baseline(self.folder / "before", self.folder / "now")
+        change, = earlier.changes(self.folder / "now", [{"name": "run", "exit_status": status}])
+        self.text = baseline.text_of(change)
+        return change["status"], [stop["what"] for stop in change["stops"]]
+
+    def test_the_same_is_no_change(self):
+        self.assertEqual(self.change(), ("same", []))
+
+    def test_a_check_or_an_exit_status_alone_is_a_change(self):
+        for checks in (["1.0,STOP,INIT,", "2.0,STOP,COLLISION,arm"], ["1.0,SLOW,INIT,", "2.0,STOP,COLLISION,hand"],
+                       self.checks[:1], self.checks + ["3.0,OK,CLEAR,"]):
+            self.assertEqual(self.change(checks=checks), ("changed", []), checks)
+            self.assertIn("1 of", self.text)
+        self.assertEqual(self.change(status=1), ("changed", []))
+        self.assertIn("exit status 1, was 0", self.text)
+
+    def test_stops_that_overlap_most_belong_together(self):
+        def with_stops(*changes):
+            return [dict(stop, **change) for stop, change in zip(self.stops, changes) if change is not None]
+        self.assertEqual(self.change(self.stops[:2]), ("changed", ["gone"]))
+        self.assertEqual(self.change(self.stops[2:]), ("changed", ["gone"]))
+        early = dict(self.stops[2], stop=3, from_s=0.0, to_s=0.5)
+        self.assertEqual(self.change([early] + self.stops), ("changed", ["come"]))
+        self.assertEqual(self.change(with_stops({}, {"link": "arm"}, {})), ("changed", ["other link"]))
+        self.assertIn("was COLLISION of hand", self.text)
+        self.assertEqual(self.change(with_stops({}, {}, {"to_s": 6.5, "reason": "INIT"})),
+                         ("changed", ["moved and other reason"]))
+        self.assertIn("ends +0.500 s", self.text)
+        self.assertEqual(self.change(with_stops({}, {}, {"from_s": 2.9, "to_s": 6.0})), ("changed", ["moved"]))
+        self.assertIn("begins -2.100 s", self.text)
 
 
 class OnACluster(EvaluateAllTest):
@@ -310,5 +378,4 @@ class Recordings(EvaluateAllTest):
 
 
 if __name__ == "__main__":
-    import unittest
     unittest.main()
