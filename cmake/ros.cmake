@@ -35,7 +35,8 @@ install(DIRECTORY launch config docs rviz DESTINATION ${CATKIN_PACKAGE_SHARE_DES
 install(FILES nodelets.xml rviz_plugins.xml README.md LICENSE CHANGELOG.rst
   DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 catkin_install_python(PROGRAMS scripts/demo_report scripts/draw_evaluation scripts/draw_primitives
-  scripts/draw_trials scripts/evaluate_all scripts/play_bag scripts/spread_trials
+  scripts/draw_trials scripts/draw_what_if scripts/evaluate_all scripts/play_bag
+  scripts/spread_trials
   DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 install(DIRECTORY scripts/evaluation_report scripts/evaluations scripts/spreading
   DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION}

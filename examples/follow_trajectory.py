@@ -1,10 +1,12 @@
 #!/usr/bin/python3
 """A client of an arm's action, to be copied: it reaches there and back until a goal fails; one that is
 refused it sends again. The action is the one of the arm's own controller, or the same behind the
-TrajectoryGate: the difference is its name. The way is that of a file, or one joint's turn.
+TrajectoryGate: the difference is its name. The way is that of a file, or one joint's turn between two
+positions; wherever the arm is, it goes to the first of them before.
 
   rosrun tccm_monitor follow_trajectory.py _action:=right_arm/follow_joint_trajectory _way:=reach.yaml
-  rosrun tccm_monitor follow_trajectory.py _action:=arm/follow_joint_trajectory _joint:=joint_1 _by:=0.8
+  rosrun tccm_monitor follow_trajectory.py _action:=arm/follow_joint_trajectory _joint:=joint_1 \
+      _from:=0.0 _to:=0.8
 """
 
 import sys
@@ -41,17 +43,16 @@ def way_of_file(path):
                                     for point in content["points"]]
 
 
-def way_of_joint(name, by):
-    """From where the joint is. @param by [rad]"""
-    joints = rospy.wait_for_message("joint_states", JointState)
-    here = dict(zip(joints.name, joints.position))[name]
-    return [name], [(0.0, [here], [0.0]), (1.5 * abs(by) / APPROACH_SPEED, [here + by], [0.0])]
+def way_of_joint(name, begin, end):
+    """@param begin, end positions [rad]"""
+    return [name], [(0.0, [begin], [0.0]), (1.5 * abs(end - begin) / APPROACH_SPEED, [end], [0.0])]
 
 
 def main():
     rospy.init_node("follow_trajectory")
     if rospy.has_param("~joint"):
-        names, there = way_of_joint(rospy.get_param("~joint"), rospy.get_param("~by"))
+        names, there = way_of_joint(rospy.get_param("~joint"), rospy.get_param("~from"),
+                                    rospy.get_param("~to"))
     else:
         names, there = way_of_file(rospy.get_param(
             "~way", rospkg.RosPack().get_path("tccm_monitor") + "/examples/reach.yaml"))

@@ -21,6 +21,7 @@ namespace {
 
 constexpr char kController[] = "arm_controller";
 constexpr std::size_t kBoxesMax = 100;
+constexpr float kBoxAlpha = 0.85F;  // what is taken for a box by the monitor lies on it
 
 /// The robot that robot_description tells of, live, at the pace of the wall clock.
 class ArmSimulationNode {
@@ -39,6 +40,10 @@ class ArmSimulationNode {
         controller_(ros::NodeHandle(kController), arm_.controller()) {
     mounts_.publish(mountMessage(arm_.mount(), kCameraFrame, start_));
     publishMarkers();
+    ROS_INFO(
+        "The simulated arm runs: %zu joints behind %s, a camera on %s, and boxes of %.2g m at "
+        "simulation/box.",
+        arm_.model().variables().size(), kController, camera_.getTopic().c_str(), config.box_m);
   }
 
   void run() {
@@ -75,7 +80,8 @@ class ArmSimulationNode {
     visualization_msgs::MarkerArray message;
     message.markers.emplace_back();
     message.markers.back().action = visualization_msgs::Marker::DELETEALL;
-    const auto scene = sceneMarkers(arm_.world(), arm_.mount().link, arm_.now());
+    auto scene = sceneMarkers(arm_.world(), arm_.mount().link, arm_.now());
+    for (visualization_msgs::Marker& box : scene.markers) box.color.a = kBoxAlpha;
     message.markers.insert(message.markers.end(), scene.markers.begin(), scene.markers.end());
     markers_.publish(message);
   }

@@ -14,6 +14,7 @@
 #include "report.h"
 #include "stop_scenes.h"
 #include "timeline.h"
+#include "what_if.h"
 
 namespace tccm {
 namespace {
@@ -34,7 +35,25 @@ struct Options {
   std::string dump_visibility;
   bool report = false;
   bool no_times = false;
+  std::vector<std::string> compare;
+  std::string sweep;
+  std::string reference;
 };
+
+void describeDumps(CLI::App& app, Options& options) {
+  app.add_option("--dump-points", options.dump_points,
+                 "CSV of the points that reached the map: scan,x,y,z; of sensors with names one "
+                 "each, FILE.NAME.csv");
+  app.add_option("--dump-cuboids", options.dump_cuboids,
+                 "CSV of the map after the last scan: x,y,bottom,top,age_scans,dyn,held; likewise");
+  app.add_option("--dump-verdicts", options.dump_verdicts,
+                 "CSV of all checks: stamp,scan,collision,occlusion,stop,reason,link; the stamp is "
+                 "the joint state's, the scan the newest in the map");
+  app.add_option("--dump-visibility", options.dump_visibility,
+                 "CSV of what was seen of each watched link in each check: "
+                 "stamp,scan,link,ahead,visible,occluded,unseen,way_unseen,evidence_age_s,"
+                 "next_look_s; the stamp is the check's");
+}
 
 void describe(CLI::App& app, Options& options) {
   app.footer(
@@ -75,20 +94,21 @@ void describe(CLI::App& app, Options& options) {
   app.add_flag("--report", options.report,
                "for people: report.html, with pictures of each stop beside it, and what they are "
                "drawn from");
-  app.add_flag("--no-times", options.no_times,
-               "no computing times: all that is written is the same in each run");
-  app.add_option("--dump-points", options.dump_points,
-                 "CSV of the points that reached the map: scan,x,y,z; of sensors with names one "
-                 "each, FILE.NAME.csv");
-  app.add_option("--dump-cuboids", options.dump_cuboids,
-                 "CSV of the map after the last scan: x,y,bottom,top,age_scans,dyn,held; likewise");
-  app.add_option("--dump-verdicts", options.dump_verdicts,
-                 "CSV of all checks: stamp,scan,collision,occlusion,stop,reason,link; the stamp is "
-                 "the joint state's, the scan the newest in the map");
-  app.add_option("--dump-visibility", options.dump_visibility,
-                 "CSV of what was seen of each watched link in each check: "
-                 "stamp,scan,link,ahead,visible,occluded,unseen,way_unseen,evidence_age_s,"
-                 "next_look_s; the stamp is the check's");
+  auto* no_times = app.add_flag("--no-times", options.no_times,
+                                "no computing times: all that is written is the same in each run");
+  auto* compare = app.add_option("--compare", options.compare,
+                                 "two configurations: which stops come, go and move from the first "
+                                 "to the second");
+  compare->expected(2);
+  auto* sweep = app.add_option("--sweep", options.sweep,
+                               "key=from:to:step: the stops, clearance and cost at each value of "
+                               "one parameter, and against those of --reference");
+  app.add_option("--reference", options.reference,
+                 "configuration whose stops are right; without it that of --config")
+      ->needs(sweep);
+  compare->excludes(sweep);
+  sweep->excludes(no_times);  // it measures them
+  describeDumps(app, options);
 }
 
 /// Nothing where no robot is asked for.
@@ -253,9 +273,28 @@ int conclude(const Options& options, const MonitorConfig& settings, const Evalua
   return kLimitMissed;
 }
 
+/// What other configurations would have made of it. @return the exit status.
+int askWhatIf(const Options& options) {
+  makeFolder(options.out);
+  const WhatIf what_if{
+      [&options](const MonitorConfig& settings) { return openRecording(options, settings); },
+      [&options](const MonitorConfig& settings) { return readModel(options, settings); },
+      options.out};
+  const auto trialOf = [](const std::string& config) {
+    return Trial{config.empty() ? "the defaults" : config, readMonitorConfig(config)};
+  };
+  if (!options.compare.empty()) {
+    return compareTrials(what_if, {trialOf(options.compare[0]), trialOf(options.compare[1])});
+  }
+  return sweepTrials(what_if,
+                     trialOf(options.reference.empty() ? options.config : options.reference),
+                     sweptTrials(options.config, options.sweep));
+}
+
 int evaluate(Options& options) {
   if (!options.stop.empty()) return replayStopIn(options.stop, std::cout);
   if (options.out.empty()) throw InputError("--out is required");
+  if (!options.compare.empty() || !options.sweep.empty()) return askWhatIf(options);
   const MonitorConfig settings = readMonitorConfig(options.config);
   const auto model = readModel(options, settings);
   const auto recording = openRecording(options, settings);

@@ -272,8 +272,7 @@ void CollisionChecker::tellChange(const Verdict& verdict) {
   }
   const std::string& limit = checker_->inputs().jointStates().limitDefect();
   if (!limit.empty() && !std::exchange(told_limit_, true)) NODELET_WARN("%s.", limit.c_str());
-  if (told_ == verdict.reason) return;
-  told_ = verdict.reason;
+  if (!told_.isNews(verdict)) return;
   const std::string what = verdict.level == Level::kOk
                                ? "OK: the robot may move"
                                : std::string(tccm::name(verdict.level)) + " " +

@@ -138,7 +138,7 @@ class CollisionChecker : public DiagnosedNodelet {
   ros::Time checked_;          ///< at the last check
   ros::Time clock_;            ///< at the last publication
   ros::WallTime clock_moved_;  ///< when it last differed from the one before
-  std::optional<Reason> told_;
+  ToldChanges told_;
   StopCause stop_cause_;
   Advice advice_ = Advice::ofThePage();
   std::unique_ptr<StopRecorder> recorder_;  ///< null: stops are not kept

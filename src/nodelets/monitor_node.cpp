@@ -150,7 +150,14 @@ class Manager {
       if (isToEnd()) return true;
       misses = ros::service::exists(service("load_nodelet"), false) ? 0 : misses + 1;
     }
-    ROS_FATAL("The nodelet manager %s is gone, and the monitor with it.", name_.c_str());
+    if (ros::master::check()) {
+      ROS_FATAL("The nodelet manager %s is gone, and the monitor with it.", name_.c_str());
+    } else {
+      ROS_FATAL(
+          "The ROS master at %s is gone, and the monitor ends: nobody finds it any more. Start a "
+          "master first that outlives the robot's launch file: roscore.",
+          ros::master::getURI().c_str());
+    }
     return false;
   }
 

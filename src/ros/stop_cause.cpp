@@ -56,6 +56,23 @@ void StopCause::follow(const Verdict& verdict, const CuboidMap* map) {
   }
 }
 
+bool ToldChanges::isNews(const Verdict& verdict) {
+  constexpr Duration kWhile = std::chrono::seconds(1);
+  const What now{verdict.level, verdict.reason};
+  const bool is_of_stop = now.level >= Level::kStop || now.reason == Reason::kMovingOut;
+  if (is_of_stop != std::exchange(is_of_stop_, is_of_stop)) seen_.fill(std::nullopt);
+  std::optional<Time>& seen = seen_[static_cast<std::size_t>(now.reason)];
+  if (!(now == current_)) {
+    current_ = now;
+    since_ = verdict.stamp;
+    is_back_ = seen && verdict.stamp >= *seen && verdict.stamp - *seen <= kWhile;
+  }
+  seen = verdict.stamp;
+  if (now == told_ || (is_back_ && verdict.stamp - since_ < kWhile)) return false;
+  told_ = now;
+  return true;
+}
+
 bool StopCause::outlives(const Verdict& verdict) const {
   return reason_ != Reason::kClear && endsAStop(verdict.reason);
 }

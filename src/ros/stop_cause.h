@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -45,6 +47,30 @@ class StopCause {
   Reason reason_ = Reason::kClear;  ///< no stop lasts
   std::string detail_;
   std::vector<FlaggedBox> boxes_;
+};
+
+/// Which verdicts people are told of: each change, but what comes and goes many times a second, as
+/// a contact does, only once, and anew when it has been there or away for a second. Each stop is
+/// told.
+class ToldChanges {
+ public:
+  /// To be asked of each verdict.
+  [[nodiscard]] bool isNews(const Verdict& verdict);
+
+ private:
+  struct What {
+    Level level;
+    Reason reason;
+    bool operator==(const What& other) const {
+      return level == other.level && reason == other.reason;
+    }
+  };
+  std::optional<What> told_, current_;
+  Time since_;            ///< the current one
+  bool is_back_ = false;  ///< it was there a moment before
+  bool is_of_stop_ = false;
+  /// When each reason was there last, of this stop or of the time between two.
+  std::array<std::optional<Time>, static_cast<std::size_t>(Reason::kBadQuestion) + 1> seen_;
 };
 
 }  // namespace tccm

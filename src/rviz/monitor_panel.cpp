@@ -24,7 +24,9 @@ using tccm_monitor::MonitorStatus;
 
 constexpr int kPeriod_ms = 100;
 constexpr double kSilence_s = 1.0;
+constexpr double kRefusal_s = 0.5;  // a contact comes and goes
 const char* const kSilentColor = "rgb(128, 128, 128)";
+const char* const kLastStop = "Last stop";
 const char* const kReset =
     "background-color: rgb(255, 140, 0); color: black; font-weight: bold; border: 1px solid black; "
     "border-radius: 3px; padding: 4px;";
@@ -55,32 +57,40 @@ QLabel* newLabel() {
 MonitorPanel::MonitorPanel(QWidget* parent)
     : rviz::Panel(parent), services_(new ServiceCaller(this)) {
   auto* layout = new QVBoxLayout(this);
-  addVerdict(*layout);
+  addLevel(*layout);
+  addButtons(*layout);
+  addReasons(*layout);
   grid_ = new QGridLayout;
   grid_->setColumnStretch(1, 1);
   layout->addLayout(grid_);
   sensors_ = newLabel();
   sensors_->setTextFormat(Qt::RichText);
   layout->addWidget(sensors_);
-  addButtons(*layout);
+  addNamespace(*layout);
   layout->addStretch(1);
+  showRows({{kLastStop, ""}});
   showRows(rowsOf(MonitorStatus()));
   connect(&timer_, &QTimer::timeout, this, &MonitorPanel::refresh);
   connect(services_, &ServiceCaller::told, answer_, &QLabel::setText);
 }
 
-void MonitorPanel::addVerdict(QVBoxLayout& layout) {
+void MonitorPanel::addLevel(QVBoxLayout& layout) {
   level_ = newLabel();
   level_->setAlignment(Qt::AlignCenter);
-  level_->setMinimumHeight(56);
+  level_->setFixedHeight(56);
+  layout.addWidget(level_);
+}
+
+void MonitorPanel::addReasons(QVBoxLayout& layout) {
   reason_ = newLabel();
   reason_->setStyleSheet("font-weight: bold;");
   detail_ = newLabel();
   advice_ = newLabel();
   advice_->setStyleSheet("color: rgb(90, 90, 90); font-style: italic;");
-  for (QLabel* label : {level_, reason_, detail_, advice_}) layout.addWidget(label);
+  for (QLabel* label : {reason_, detail_, advice_}) layout.addWidget(label);
 }
 
+/// Above all whose height changes: they stay where they are.
 void MonitorPanel::addButtons(QVBoxLayout& layout) {
   reset_ = new QPushButton("Reset");
   clear_ = new QPushButton("Clear map");
@@ -94,16 +104,19 @@ void MonitorPanel::addButtons(QVBoxLayout& layout) {
   layout.addLayout(row);
   answer_ = newLabel();
   layout.addWidget(answer_);
+  connect(reset_, &QPushButton::clicked, this, &MonitorPanel::reset);
+  connect(clear_, &QPushButton::clicked, this, &MonitorPanel::clearMap);
+  connect(attach_, &QPushButton::clicked, this, &MonitorPanel::attach);
+  connect(detach_, &QPushButton::clicked, this, &MonitorPanel::detach);
+}
+
+void MonitorPanel::addNamespace(QVBoxLayout& layout) {
   auto* name_row = new QHBoxLayout;
   name_space_ = new QLineEdit;
   name_space_->setPlaceholderText("of this rviz");
   name_row->addWidget(new QLabel("Namespace"));
   name_row->addWidget(name_space_);
   layout.addLayout(name_row);
-  connect(reset_, &QPushButton::clicked, this, &MonitorPanel::reset);
-  connect(clear_, &QPushButton::clicked, this, &MonitorPanel::clearMap);
-  connect(attach_, &QPushButton::clicked, this, &MonitorPanel::attach);
-  connect(detach_, &QPushButton::clicked, this, &MonitorPanel::detach);
   connect(name_space_, &QLineEdit::editingFinished, this, &MonitorPanel::changeNamespace);
 }
 
@@ -136,7 +149,8 @@ void MonitorPanel::changeNamespace() {
 }
 
 void MonitorPanel::subscribe() {
-  heard_ = ros::WallTime();
+  heard_ = refused_ = ros::WallTime();
+  last_stop_ = LastStop();
   status_subscriber_ = ros::Subscriber();
   bool named = false;
   try {
@@ -144,12 +158,9 @@ void MonitorPanel::subscribe() {
     named = true;
     health_ = SensorHealth(ros::names::parentNamespace(topic));
     ros::NodeHandle node;
-    status_subscriber_ =
-        node.subscribe<MonitorStatus>(topic, 1, [this](const MonitorStatus::ConstPtr& status) {
-          status_ = *status;
-          heard_ = ros::WallTime::now();
-          changed_ = true;
-        });
+    // Each one, however slowly this draws: a stop may be over after a few.
+    status_subscriber_ = node.subscribe<MonitorStatus>(
+        topic, 200, [this](const MonitorStatus::ConstPtr& status) { take(*status); });
     diagnostics_subscriber_ = node.subscribe<diagnostic_msgs::DiagnosticArray>(
         "/diagnostics", 100, [this](const diagnostic_msgs::DiagnosticArray::ConstPtr& message) {
           health_.take(*message, ros::WallTime::now().toSec());
@@ -160,6 +171,14 @@ void MonitorPanel::subscribe() {
   for (QPushButton* button : {reset_, clear_, attach_}) button->setEnabled(named);
 }
 
+void MonitorPanel::take(const MonitorStatus& status) {
+  status_ = status;
+  heard_ = ros::WallTime::now();
+  changed_ = true;
+  last_stop_.take(status, heard_.toSec());
+  if (refusesReset(status)) refused_ = heard_;
+}
+
 void MonitorPanel::refresh() {
   const bool heard = !heard_.isZero() && (ros::WallTime::now() - heard_).toSec() <= kSilence_s;
   if (!heard) {
@@ -168,6 +187,7 @@ void MonitorPanel::refresh() {
     showStatus();
   }
   changed_ = false;
+  showRows({{kLastStop, last_stop_.text(ros::WallTime::now().toSec())}});
   showButtons(heard);
   showSensors();
 }
@@ -196,7 +216,7 @@ void MonitorPanel::showSilence() {
   const std::string topic = status_subscriber_.getTopic();
   detail_->setText(topic.empty() ? "the namespace is not valid" : toQt("on " + topic));
   advice_->setText("");
-  for (const auto& [name, label] : values_) label->setText("?");
+  for (const auto& [name, label] : values_) label->setText("?");  // the last stop's comes after
 }
 
 void MonitorPanel::showRows(const std::vector<TextRow>& rows) {
@@ -224,8 +244,10 @@ void MonitorPanel::showSensors() {
 }
 
 void MonitorPanel::showButtons(bool heard) {
-  // What it takes to go on is to be seen.
-  const QString style = heard && !status_.latched.empty() ? kReset : "";
+  // What it takes to go on is to be seen, once it is of use.
+  const bool is_due =
+      !status_.latched.empty() && (ros::WallTime::now() - refused_).toSec() > kRefusal_s;
+  const QString style = heard && is_due ? kReset : "";
   if (reset_->styleSheet() != style) reset_->setStyleSheet(style);
   detach_->setEnabled(heard && !status_.attached_objects.empty());
 }

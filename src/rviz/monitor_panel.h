@@ -40,8 +40,11 @@ class MonitorPanel : public rviz::Panel {
   void clearMap();
   void attach();
   void detach();
-  void addVerdict(QVBoxLayout& layout);
+  void addLevel(QVBoxLayout& layout);
+  void addReasons(QVBoxLayout& layout);
   void addButtons(QVBoxLayout& layout);
+  void addNamespace(QVBoxLayout& layout);
+  void take(const tccm_monitor::MonitorStatus& status);
   void subscribe();
   void showStatus();
   void showSilence();
@@ -63,7 +66,9 @@ class MonitorPanel : public rviz::Panel {
   Advice about_;
   ros::Subscriber status_subscriber_, diagnostics_subscriber_;
   tccm_monitor::MonitorStatus status_;
-  ros::WallTime heard_;  ///< the status; 0: none
+  ros::WallTime heard_;    ///< the status; 0: none
+  ros::WallTime refused_;  ///< when `reset` would have been, last; 0: never
+  LastStop last_stop_;
   bool changed_ = false;
   SensorHealth health_;
 };

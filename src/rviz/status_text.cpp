@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 namespace tccm {
 namespace {
@@ -90,6 +91,36 @@ std::vector<TextRow> rowsOf(const MonitorStatus& status) {
                       " held, " + std::to_string(status.window_scans) + " scans"},
           {"Holds", joined(status.attached_objects)},
           {"Until reset", status.latched.empty() ? kNone : status.latched}};
+}
+
+bool refusesReset(const MonitorStatus& status) {
+  if (status.level == MonitorStatus::FAULT) return true;
+  const auto isContact = [](const std::string& reason) {
+    return reason == "COLLISION" || reason == "KEEP_OUT";
+  };
+  // Of a fault that is over the latch is lifted whatever is touched.
+  if (!status.latched.empty() && !isContact(status.latched)) return false;
+  return std::any_of(status.reasons.begin(), status.reasons.end(), isContact) ||
+         std::any_of(status.links.begin(), status.links.end(),
+                     [](const auto& link) { return !link.ahead && link.collision; });
+}
+
+void LastStop::take(const MonitorStatus& status, double now_s) {
+  const bool counts = could_move_ || !status.latched.empty();
+  const bool lasted = std::exchange(lasts_, counts && status.level >= MonitorStatus::STOP);
+  could_move_ = could_move_ || status.level < MonitorStatus::STOP;
+  if (!lasts_) return;
+  const std::string& reason = status.stopped_by.empty() ? status.reason : status.stopped_by;
+  if (!lasted || reason != reason_) link_.clear();
+  if (status.reason == reason && !status.link.empty()) link_ = status.link;
+  reason_ = reason;
+  at_s_ = now_s;
+}
+
+std::string LastStop::text(double now_s) const {
+  if (reason_.empty()) return "none yet";
+  const std::string when = lasts_ ? "now" : number(now_s - at_s_, 0, "s ago");
+  return reason_ + (link_.empty() ? "" : ", " + link_) + ", " + when;
 }
 
 SensorHealth::SensorHealth(const std::string& name_space)

@@ -26,6 +26,26 @@ struct TextRow {
 /// What a status says besides level, reason and detail, one line a fact, always the same lines.
 [[nodiscard]] std::vector<TextRow> rowsOf(const tccm_monitor::MonitorStatus& status);
 
+/// Whether `reset` would be refused: a fault or a contact lasts.
+[[nodiscard]] bool refusesReset(const tccm_monitor::MonitorStatus& status);
+
+/// The last stop that was heard of: many are over before anybody has read them. What stops a robot
+/// before it could move for the first time is none.
+class LastStop {
+ public:
+  /// To be told each status. @param now_s on a clock that never jumps [s].
+  void take(const tccm_monitor::MonitorStatus& status, double now_s);
+
+  /// Why, which link, and how long ago.
+  [[nodiscard]] std::string text(double now_s) const;
+
+ private:
+  std::string reason_, link_;
+  double at_s_ = 0.0;  ///< when it was there last
+  bool lasts_ = false;
+  bool could_move_ = false;
+};
+
 /// The health of the sensors' nodelets in a namespace, as they tell it on /diagnostics.
 class SensorHealth {
  public:

@@ -50,7 +50,7 @@ RecordedRobot RecordedRobot::from(const rosbag::Bag& bag) {
   config.primitives_file = kPrimitivesUri;
   RobotResources resources;
   resources.read = [&primitives](const std::string& uri) {
-    if (uri == kPrimitivesUri) return primitives;
+    if (uri == kPrimitivesUri) return std::string(primitives);
     throw ConfigError(uri + ": primitives stand for it, and are not there");
   };
   robot.model = std::make_shared<const RobotModel>(urdf, config, resources);

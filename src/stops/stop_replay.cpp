@@ -198,18 +198,25 @@ class Replay {
     }
     for (const auto& message : state.keep_out) {
       const Vector3 size(message.size.x, message.size.y, message.size.z);
-      try {
+      setRegion([&] {
         checker_.setKeepOut(
             {message.name, message.frame, Box{0.5 * size}, fromMessage(message.pose, "pose")});
-      } catch (const ConfigError&) {  // of the configuration, which cannot be replaced
-      }
+      });
     }
     const auto regions = checker_.keepOut();
     for (const KeepOutRegion& region : regions) {
       const auto stays = [&region](const auto& message) { return message.name == region.name; };
-      if (std::none_of(state.keep_out.begin(), state.keep_out.end(), stays)) {
-        checker_.removeKeepOut(region.name);
-      }
+      if (std::any_of(state.keep_out.begin(), state.keep_out.end(), stays)) continue;
+      setRegion([&] { checker_.removeKeepOut(region.name); });
+    }
+  }
+
+  /// Those of the configuration are there, and stay.
+  template <typename Set>
+  static void setRegion(Set&& set) {
+    try {
+      set();
+    } catch (const ConfigError&) {
     }
   }
 

@@ -6,6 +6,8 @@
 #include <iterator>
 #include <string>
 
+#include "tccm_monitor/verdict.h"
+
 namespace tccm {
 namespace {
 
@@ -19,6 +21,17 @@ TEST(AdviceTest, ItIsThatOfThePageForReasonAndLevel) {
   const std::string collision = advice.about("COLLISION", "STOP");
   EXPECT_NE(collision.find("move out of the contact"), std::string::npos) << collision;
   EXPECT_EQ(collision.find_first_of("[]`"), std::string::npos) << collision;
+}
+
+TEST(AdviceTest, EachReasonHasSome) {
+  const Advice advice = Advice::ofThePage();
+  const char* const levels[] = {"OK", "SLOW", "STOP", "FAULT"};
+  for (int i = 1; i <= static_cast<int>(Reason::kBadQuestion); ++i) {
+    const auto reason = static_cast<Reason>(i);
+    if (reason == Reason::kBadQuestion) continue;  // an answer's, no status'
+    const char* level = levels[static_cast<int>(levelOf(reason))];
+    EXPECT_NE(advice.about(name(reason), level), "") << name(reason) << " at " << level;
+  }
 }
 
 TEST(AdviceTest, WithoutThePageThereIsNone) {

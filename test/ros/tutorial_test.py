@@ -12,7 +12,10 @@ import unittest
 
 import rospy
 import rostest
+import yaml
+from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import JointState
+from std_srvs.srv import Trigger
 
 from tccm_monitor.msg import MonitorStatus
 from waiting import wait_for
@@ -67,6 +70,9 @@ class TutorialTest(unittest.TestCase):
         self.moved, self.stopped_by = False, set()
         rospy.Subscriber("monitor_status", MonitorStatus, self.hear)
         rospy.Subscriber("joint_states", JointState, self.hear_joints)
+        self.said = []
+        rospy.Subscriber("/rosout", Log, lambda line: self.said.append(line.msg), queue_size=1000)
+        self.reset = rospy.ServiceProxy("reset", Trigger)
 
     def hear(self, status):
         self.level = status.level
@@ -82,7 +88,11 @@ class TutorialTest(unittest.TestCase):
 
         def end():
             process.send_signal(signal.SIGINT)
-            process.wait(30)
+            try:
+                process.wait(20)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
         self.addCleanup(end)
         return process
 
@@ -95,30 +105,58 @@ class TutorialTest(unittest.TestCase):
     def test_its_commands_lead_to_an_arm_that_stops(self):
         every = commands()
         self.assertLessEqual(len(every), 10)
-        install, build, source, fetch, robot, setup, monitor, client, box, no_boxes = every
-        for command, word in ((install, "install_dependencies"), (build, "scripts/build"),
-                              (source, "setup.bash"), (fetch, "-O arm.urdf")):
+        build, source, master, fetch, robot, setup, monitor, client, box, no_boxes = every
+        for command, word in ((build, "scripts/build --install"), (source, "setup.bash"), (master, "roscore"),
+                              (fetch, "-O arm.urdf")):
             self.assertIn(word, command)
 
-        self.start(robot)
+        simulation = self.start(robot)
         wait_for(lambda: self.turn is not None)
         self.assertIn("nothing wrong", self.run_to_end(setup))
+        self.assert_patient()
         self.start(monitor.replace("rviz:=true", "rviz:=false"))
         wait_for(lambda: self.level == MonitorStatus.OK, 30.0)
         moving = self.start(client)
-        wait_for(lambda: self.turn > 0.05)
+        wait_for(lambda: self.turn < -0.05)
         self.moved = True
         self.run_to_end(box)
         self.assertEqual(moving.wait(30), 1, "the goal has failed")
         wait_for(lambda: self.speed == 0.0)
-        self.assertLess(self.turn, 0.9, "the box is there")
+        self.assertGreater(self.turn, -0.9, "the box is there")
         self.assertTrue(self.stopped_by, "a stop was told")
+        self.assert_stops_are_logged()
 
+        self.assert_refused(client)
         self.run_to_end(no_boxes)
         wait_for(lambda: self.level == MonitorStatus.OK)
         stood = self.turn
         self.start(client)
         wait_for(lambda: abs(self.turn - stood) > 0.05)
+
+        simulation.send_signal(signal.SIGINT)
+        simulation.wait(30)
+        wait_for(lambda: self.level == MonitorStatus.FAULT)
+        self.start(robot)
+        wait_for(lambda: self.reset().success, 60.0)
+        wait_for(lambda: self.level == MonitorStatus.OK)
+
+    def assert_patient(self):
+        """The gate's limits are those of the checker."""
+        config = yaml.safe_load((self.folder / "arm.yaml").read_text(encoding="utf-8"))
+        self.assertEqual(config["trajectory_gate"]["joints_age_max_s"],
+                         config["collision_checker"]["joint_timeout_s"])
+
+    def assert_stops_are_logged(self):
+        wait_for(lambda: any(line.startswith(tuple(f"STOP {reason}: " for reason in self.stopped_by))
+                             for line in self.said))
+
+    def assert_refused(self, client):
+        """The box is there still, and seen."""
+        again = self.start(client)
+        wait_for(lambda: any("not free" in line for line in self.said), 30.0)
+        self.assertGreater(self.turn, -0.9)
+        again.kill()
+        again.wait()
 
 
 if __name__ == "__main__":

@@ -84,6 +84,61 @@ TEST(StatusTextTest, WhatIsNotKnownIsNotSaidToBeNone) {
   EXPECT_EQ(row(status, "Latency"), "?, from the first beam ?");
 }
 
+MonitorStatus at(std::uint8_t level, const std::string& reason, const std::string& link = "",
+                 const std::string& stopped_by = "") {
+  MonitorStatus status;
+  status.level = level;
+  status.reason = reason;
+  status.reasons = {reason};
+  status.link = link;
+  status.stopped_by = stopped_by;
+  return status;
+}
+
+TEST(LastStopTest, ItIsKeptWithWhatBroughtItAboutAndItsLink) {
+  LastStop last;
+  last.take(at(MonitorStatus::OK, "CLEAR"), 1.0);
+  EXPECT_EQ(last.text(1.0), "none yet");
+  last.take(at(MonitorStatus::STOP, "COLLISION_AHEAD", "hand", "COLLISION_AHEAD"), 2.0);
+  last.take(at(MonitorStatus::STOP, "RELEASING", "", "COLLISION_AHEAD"), 2.1);
+  EXPECT_EQ(last.text(2.1), "COLLISION_AHEAD, hand, now");
+  last.take(at(MonitorStatus::OK, "CLEAR"), 2.3);
+  EXPECT_EQ(last.text(22.1), "COLLISION_AHEAD, hand, 20 s ago");
+  last.take(at(MonitorStatus::STOP, "RELEASING", "", "COLLISION_AHEAD"), 30.0);
+  EXPECT_EQ(last.text(30.0), "COLLISION_AHEAD, now") << "of another stop nobody knows the link";
+}
+
+TEST(LastStopTest, WhatStopsARobotThatStartsIsNone) {
+  LastStop last;
+  last.take(at(MonitorStatus::STOP, "INIT"), 1.0);
+  last.take(at(MonitorStatus::FAULT, "NO_MAP"), 2.0);
+  EXPECT_EQ(last.text(2.0), "none yet");
+  MonitorStatus held = at(MonitorStatus::STOP, "AWAITING_RESET", "", "COLLISION");
+  held.latched = "COLLISION";
+  LastStop heard_late;
+  heard_late.take(held, 2.0);
+  EXPECT_EQ(heard_late.text(2.0), "COLLISION, now");
+  last.take(at(MonitorStatus::SLOW, "UNSEEN_AHEAD"), 3.0);
+  last.take(at(MonitorStatus::FAULT, "NO_MAP"), 4.0);
+  EXPECT_EQ(last.text(5.0), "NO_MAP, now");
+}
+
+TEST(RefusesResetTest, AFaultAndAContactThatLastRefuseIt) {
+  EXPECT_TRUE(refusesReset(at(MonitorStatus::FAULT, "NO_JOINTS")));
+  EXPECT_TRUE(refusesReset(at(MonitorStatus::STOP, "COLLISION", "hand")));
+  EXPECT_TRUE(refusesReset(at(MonitorStatus::STOP, "KEEP_OUT", "hand")));
+  EXPECT_FALSE(refusesReset(at(MonitorStatus::STOP, "AWAITING_RESET")));
+  EXPECT_FALSE(refusesReset(at(MonitorStatus::STOP, "COLLISION_AHEAD", "hand")));
+  MonitorStatus moving_out = at(MonitorStatus::SLOW, "MOVING_OUT");
+  moving_out.links = {link("hand", 0.0F)};
+  EXPECT_FALSE(refusesReset(moving_out));
+  moving_out.links.front().collision = 1;
+  EXPECT_TRUE(refusesReset(moving_out));
+  MonitorStatus over = at(MonitorStatus::STOP, "COLLISION", "hand");
+  over.latched = "NO_JOINTS";
+  EXPECT_FALSE(refusesReset(over)) << "what holds is over; the contact will hold in its place";
+}
+
 TEST(SensorHealthTest, TheSensorsOfANamespaceAreTold) {
   SensorHealth health("/left");
   health.take(array("left/laser/tccm_mapper: map", DiagnosticStatus::OK, "fine"), 0.0);

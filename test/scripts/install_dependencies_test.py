@@ -34,15 +34,16 @@ class InstallTest(unittest.TestCase):
             (self.folder / "ros" / distro / part).mkdir(parents=True)
         (self.folder / "ros" / distro / "setup.bash").write_text(SET_UP, encoding="utf-8")
 
-    def run_on(self, system):
+    def run_on(self, system, *, installed=True):
         (self.folder / "os-release").write_text(system, encoding="utf-8")
-        listed = f"sed 's/^/installed /' {PACKAGES}"
+        listed = f"sed 's/^/installed /' {PACKAGES}" if installed else "true"
         environment = {key: value for key, value in os.environ.items()
                        if key not in ("ROS_DISTRO", "ROS_VERSION")}
         environment.update(TCCM_MONITOR_OS_RELEASE=str(self.folder / "os-release"),
                            TCCM_MONITOR_OPT_ROS=str(self.folder / "ros"),
                            **function("rosdep", 'echo "rosdep $*"'),
-                           **function("apt-get", "echo apt-get"), **function("dpkg-query", listed))
+                           **function("apt-get", "echo apt-get"), **function("env", "echo apt-get"),
+                           **function("sudo", "echo apt-get"), **function("dpkg-query", listed))
         run = subprocess.run([str(REPOSITORY / "scripts" / "install_dependencies")], env=environment,
                              capture_output=True, text=True, check=False)
         return run.returncode, run.stdout.splitlines(), run.stderr.splitlines()
@@ -54,6 +55,10 @@ class InstallTest(unittest.TestCase):
 
     def test_debian_takes_its_own_packages(self):
         self.assertEqual(self.run_on(DEBIAN), (0, ["dependencies: all installed"], []))
+
+    def test_its_last_line_says_that_it_is_done(self):
+        status, out, error = self.run_on(DEBIAN, installed=False)
+        self.assertEqual((status, out[-1], error), (0, "dependencies: all installed", []))
 
     def test_ubuntu_without_ros_is_told_what_to_run(self):
         self.expect_refused(self.run_on(UBUNTU))

@@ -95,12 +95,19 @@ class SetupTest(unittest.TestCase):
         self.assertLess(mapper["area_origin_x_m"], -0.5)
         self.assertGreater(mapper["area_origin_x_m"] + mapper["area_size_x_m"], 0.8)
         self.assertIn("right_palm_link", config["collision_checker"]["evidence_links"])
+        self.assert_remarks()
         comments = [line for line in (self.folder / "robot.yaml").read_text().splitlines() if "#" in line]
         self.assertTrue(any("floor" in line for line in comments))
         summary = self.evaluate(self.sound)
         self.assertGreater(summary["scans"], 300)
         self.assertLess(summary["stop_fraction"], 0.5)
         self.assertEqual(set(summary["sight"]["stop_by_reason"]), {"INIT"})
+
+    def assert_remarks(self, out="robot.yaml"):
+        """Each value says where it comes from."""
+        for line in (self.folder / out).read_text().splitlines():
+            if line and not line.startswith("#") and not line.endswith(":"):
+                self.assertIn("  # ", line)
 
     def moved(self, link, offset):
         """@return the robot with a link's shape elsewhere, by so much [m] along its y axis."""
@@ -135,6 +142,7 @@ class SetupTest(unittest.TestCase):
         self.set_up(self.sound, "--patient")
         checker = self.config()["collision_checker"]
         self.assertEqual((checker["joint_timeout_s"], checker["scan_timeout_periods"]), (0.3, 10))
+        self.assertEqual((checker["publish_rate_hz"], checker["check_time_max_periods"]), (10, 2))
         self.set_up(self.changed("late.bag", late), "--patient", status=1)  # tf has the tilt elsewhere
         self.assertGreater(self.config()["collision_checker"]["joint_timeout_s"], 0.4)
 
@@ -249,6 +257,7 @@ class SetupTest(unittest.TestCase):
         standing_robot.write(bag, urdf.read_text(), floor_m)
         more = ["--package-path", packages] if packages else []
         self.assertEqual(self.set_up(bag, *more, urdf=urdf), [])
+        self.assert_remarks()
         self.assertLess(abs(self.config()["camera"]["tccm_mapper"]["height_min_m"] - floor_m - 0.03), 0.02)
         summary = self.evaluate(bag, urdf=urdf, packages=packages)
         self.assertEqual(set(summary["sight"]["stop_by_reason"]), {"INIT"})

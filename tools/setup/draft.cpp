@@ -19,6 +19,7 @@ constexpr double kAreaMax = 4.0;            // [m]
 constexpr double kFloorMargin = 0.02;       // [m]
 constexpr double kVisibleMin = 0.6;         // of a silhouette: a link that sensors see
 constexpr std::size_t kArmJoints = 3;       // a link that so many joints move is one of an arm
+constexpr double kPatientRate = 10.0;       // [Hz] of permissions
 constexpr double kPaddingRaisedTo = 0.035;  // [m]; more hides hands, and is a model that is off
 
 /// By how many joints that move each link is moved.
@@ -131,11 +132,12 @@ void SetupDraft::chooseArea() {
       const double middle = reach.center()[axis];
       const double half = std::min(0.5 * kAreaMax, 0.5 * reach.sizes()[axis] + margin);
       const double origin = roundedDown(middle - half);
-      text_.set(mapper, formatted("area_origin_%s_m", keys[axis]), origin, axis == 0 ? why : "");
+      text_.set(mapper, formatted("area_origin_%s_m", keys[axis]), origin,
+                axis == 0 ? why : "the same reach");
       text_.set(mapper, formatted("area_size_%s_m", keys[axis]), roundedUp(middle + half - origin),
-                "");
+                "the same reach");
     }
-    text_.set(mapper, "height_max_m", roundedUp(reach.max().z() + margin), "likewise");
+    text_.set(mapper, "height_max_m", roundedUp(reach.max().z() + margin), "the same reach");
   }
 }
 
@@ -150,7 +152,8 @@ void SetupDraft::chooseLinks() {
   }
   text_.set("collision_checker", "occlusion_links", yamlList(hands_),
             "those that most joints move");
-  text_.set("collision_checker", "evidence_links", yamlList(hands_), "");
+  text_.set("collision_checker", "evidence_links", yamlList(hands_),
+            "whose way a sensor should have seen: likewise those that most joints move");
   if (!model_->linksWithoutShape().empty()) {
     text_.remark("Not watched, as they have no shape: " + yamlList(model_->linksWithoutShape()));
   }
@@ -162,7 +165,9 @@ void SetupDraft::chooseTimes() {
   for (const JointVariable& variable : model_->variables()) wanted.insert(variable.name);
   joint_topic_ = survey_.topicOfJoints(wanted);
   if (joint_topic_.empty()) return;
-  if (joint_topic_ != "/joint_states") text_.set("topics", "joint_states", joint_topic_, "");
+  if (joint_topic_ != "/joint_states") {
+    text_.set("topics", "joint_states", joint_topic_, "the topic that has the URDF's joints");
+  }
   std::string latest;
   double gap_s = 0.0;
   for (const auto& [name, joint] : survey_.joints.at(joint_topic_)) {
@@ -208,7 +213,10 @@ void SetupDraft::setTimes(const Lessons& lessons, bool is_patient) {
   double timeout_s = roundedTo(kHeadroom * lessons.joint_age_s, 0.01);
   std::string why = formatted("joint states were up to %.0f ms old", 1e3 * lessons.joint_age_s);
   if (is_patient && timeout_s <= 0.3) std::tie(timeout_s, why) = std::tuple(0.3, patience);
-  if (timeout_s > 0.1) text_.set("collision_checker", "joint_timeout_s", timeout_s, why);
+  if (timeout_s > 0.1) {
+    text_.set("collision_checker", "joint_timeout_s", timeout_s, why);
+    joints_late_ = {timeout_s, why};
+  }
   double most = is_patient ? 10.0 : 0.0;
   why = patience;
   for (std::size_t i = 0; model_ && i < sensors_.size(); ++i) {
@@ -219,7 +227,10 @@ void SetupDraft::setTimes(const Lessons& lessons, bool is_patient) {
     why = formatted("%s was up to %.0f ms old", sensors_[i].heard->topic.c_str(), 1e3 * age_s);
   }
   if (most > 3.0) text_.set("collision_checker", "scan_timeout_periods", most, why);
-  if (is_patient) text_.set("collision_checker", "check_time_max_periods", 10.0, patience);
+  if (!is_patient) return;
+  // A permission is valid for 2.5 periods, and a check may take 2.
+  text_.set("collision_checker", "publish_rate_hz", kPatientRate, patience);
+  text_.set("collision_checker", "check_time_max_periods", 2.0, patience);
 }
 
 void SetupDraft::setFloor(const std::optional<Floor>& floor) {
@@ -248,6 +259,9 @@ void SetupDraft::setGate(const std::vector<ArmController>& controllers) {
   }
   text_.set("trajectory_gate", "controllers", "[" + list + "]",
             "those that run; send goals to NAME/follow_joint_trajectory");
+  if (joints_late_) {
+    text_.set("trajectory_gate", "joints_age_max_s", joints_late_->first, joints_late_->second);
+  }
 }
 
 bool SetupDraft::learnModel(const OwnReturns& own) {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "config_draft.h"
@@ -51,7 +52,7 @@ class SetupDraft {
   void learn(const Lessons& lessons, bool is_patient);
   /// The self filter's padding. @return false where the model is not what was seen: then a defect.
   bool learnModel(const OwnReturns& own);
-  /// Puts the TrajectoryGate before them.
+  /// Puts the TrajectoryGate before them. @pre it has learned.
   void setGate(const std::vector<ArmController>& controllers);
 
  private:
@@ -80,7 +81,9 @@ class SetupDraft {
   std::string joint_topic_;
   Pose T_fixed_base_ = Pose::Identity();  ///< at the beginning
   double bottom_m_ = 0.0;                 ///< height of the robot's lowest part in the fixed frame
-  std::vector<std::string> hands_;        ///< links far out on the arms
+  /// The joint states' timeout [s] and its remark, where the default is too short.
+  std::optional<std::pair<double, std::string>> joints_late_;
+  std::vector<std::string> hands_;  ///< links far out on the arms
   std::vector<std::string> notes_, defects_;
 };
 

@@ -50,7 +50,9 @@ void SetupDraft::chooseSensors() {
     }
     configure(sensor);
   }
-  if (!list.empty()) text_.set("collision_checker", "sensors", "[" + list + "]", "");
+  if (!list.empty()) {
+    text_.set("collision_checker", "sensors", "[" + list + "]", "each has its part of this file");
+  }
 }
 
 std::string SetupDraft::sectionOf(const Sensor& sensor, const std::string& stage) const {
@@ -84,11 +86,12 @@ void SetupDraft::configure(const Sensor& sensor) {
   const std::string assembler = sectionOf(sensor, stage);
   const std::string mapper = sectionOf(sensor, SensorConfig::kMapper);
   setTopic(sensor, whatOf(heard));
-  text_.set(assembler, "fixed_frame", fixed_frame_, "");
+  text_.set(assembler, "fixed_frame", fixed_frame_, "as in collision_checker");
   if (!model_) text_.set(assembler, "self_filter", "false", "no robot is known");
   if (heard.is_cloud) configureCloud(sensor);
   if (!heard.is_cloud && heard.points_max > 4096) {
-    text_.set(assembler, "scan_beams_max", static_cast<double>(heard.points_max), "");
+    text_.set(assembler, "scan_beams_max", static_cast<double>(heard.points_max),
+              "the largest scan");
   }
   double gap_s = 0.0;
   for (const std::string& name : survey_.movingBelow(*heard.frames.begin(), fixed_frame_)) {
@@ -109,15 +112,16 @@ void SetupDraft::configureCloud(const Sensor& sensor) {
   const std::string assembler = sectionOf(sensor, SensorConfig::kCloudAssembler);
   const std::string mapper = sectionOf(sensor, SensorConfig::kMapper);
   if (heard.points_max > 400000) {
-    text_.set(assembler, "cloud_points_max", static_cast<double>(heard.points_max), "");
+    text_.set(assembler, "cloud_points_max", static_cast<double>(heard.points_max),
+              "the largest cloud");
   }
   if (heard.rows_max >= kCameraRows) {
     text_.set(mapper, "hold_support_points", "4", "a camera's flying pixels must not gather");
   } else {
     text_.set(assembler, "range_max_m", "10.0", "taken for a lidar, as it has few rows");
-    text_.set(assembler, "range_noise_m", kLidarNoise, "");
-    text_.set(assembler, "range_noise_per_m2", "0.0", "");
-    text_.set(assembler, "look_block_rad", "0.035", "");
+    text_.set(assembler, "range_noise_m", kLidarNoise, "as lidars have it");
+    text_.set(assembler, "range_noise_per_m2", "0.0", "as lidars have it: the same at all ranges");
+    text_.set(assembler, "look_block_rad", "0.035", "as far apart as a lidar's rows are");
   }
   setNoise(sensor);
   const double rate = std::max(1.0, heard.rate());

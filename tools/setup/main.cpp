@@ -62,6 +62,9 @@ void describe(CLI::App& app, Options& options) {
   app.add_flag("--check", options.check, "writes nothing, says only what is wrong");
 }
 
+/// What comes next; a progress bar follows.
+void tellStep(const std::string& what) { std::cout << what << std::endl; }
+
 /// How a run ends.
 int tell(const std::vector<std::string>& findings) {
   for (const std::string& line : findings) std::cout << "wrong: " << line << '\n';
@@ -117,7 +120,7 @@ class Setup {
     if (urdf.empty() && !ros::param::get("robot_description", urdf)) {
       throw InputError("the parameter robot_description is not there: name the robot by --urdf");
     }
-    std::cout << formatted("listening for %.0f s", options_.seconds) << std::endl;
+    tellStep(formatted("listening for %.0f s", options_.seconds));
     recordRobot(options_.seconds, bag, progressBar());
   }
 
@@ -129,6 +132,7 @@ class Setup {
   }
 
   int look(const std::string& bag) {
+    tellStep("which sensors, joints and frames there are");
     const Survey survey = surveyOf(bag, progressBar());
     if (survey.sensors.empty()) return tell({"no scans and no clouds came"});
     if (!model_) std::cout << "note: no robot is named, so that nothing is checked\n";
@@ -141,6 +145,7 @@ class Setup {
       joint_states = settings.topics.joint_states;
     } else {
       if (draft.sensors().empty()) return tell({whyNoSensor(survey)});
+      tellStep("how late inputs come, where the floor is, and what is seen of the arms");
       draft.learn(learn(robot, draft), options_.patient);
       if (model_) compareWithModel(robot, draft);
       if (options_.gate) draft.setGate(controllersBehindGate());
@@ -149,6 +154,7 @@ class Setup {
       if (!options_.check) writeText(options_.out, draft.yaml());
     }
     settings.checker.checker.permission.hold_until_reset = false;  // each fault is to be seen
+    tellStep("what would stop the robot with this configuration");
     Evaluation evaluation(settings, model_, {});
     robot.play(settings, joint_states, evaluation);
     if (!options_.check && !given_) std::cout << "written  " << options_.out << '\n';
@@ -157,6 +163,7 @@ class Setup {
   }
 
   void compareWithModel(const HeardRobot& robot, SetupDraft& draft) const {
+    tellStep("whether the arms are where their model has them");
     const OwnReturns own = measureOwnReturns(robot, draft);
     if (draft.learnModel(own) || options_.check) return;
     const std::string picture =
