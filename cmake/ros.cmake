@@ -35,9 +35,11 @@ install(DIRECTORY launch config docs rviz DESTINATION ${CATKIN_PACKAGE_SHARE_DES
 install(FILES nodelets.xml rviz_plugins.xml README.md LICENSE CHANGELOG.rst
   DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 catkin_install_python(PROGRAMS scripts/demo_report scripts/draw_evaluation scripts/draw_primitives
-  scripts/draw_trials scripts/draw_what_if scripts/play_bag
+  scripts/draw_trials scripts/draw_what_if scripts/evaluate_all scripts/play_bag
+  scripts/spread_trials
   DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
-install(DIRECTORY scripts/evaluation_report DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION}
+install(DIRECTORY scripts/evaluation_report scripts/evaluations scripts/spreading
+  DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION}
   PATTERN __pycache__ EXCLUDE)
 if(CATKIN_ENABLE_TESTING)
   find_package(roslaunch REQUIRED)

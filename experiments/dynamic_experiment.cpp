@@ -124,11 +124,16 @@ Findings findingsOf(const std::vector<DynamicTrial::Result>& trials,
 Findings runDynamic(DynamicOptions options, const TrialRun& run) {
   options.trial.static_windows = run.settings.mapper.static_windows;
   run.prepare(options.trial);
-  const auto trials = run.results(options.trials, [&](std::size_t i, std::uint64_t seed) {
-    DynamicTrial::Config config = options.trial;
-    config.keep_cuboids = i < kScenes.size();
-    return DynamicTrial(config, kScenes[i % kScenes.size()], run.model, seed).run();
-  });
+  run.requireWhole();
+  std::vector<DynamicTrial::Result> trials(options.trials);
+  run.forEach(trials.size(),
+              [&](std::size_t i) {
+                DynamicTrial::Config config = options.trial;
+                config.keep_cuboids = i < kScenes.size();
+                const std::string& scene = kScenes[i % kScenes.size()];
+                trials[i] = DynamicTrial(config, scene, run.model, run.seedOf(i)).run();
+              },
+              {});
   return findingsOf(trials, options);
 }
 

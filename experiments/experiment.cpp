@@ -1,5 +1,8 @@
 #include "experiments/experiment.h"
 
+#include <cstdio>
+#include <filesystem>
+
 #include "experiments/simulated_settings.h"
 #include "simulation/robot/dual_arm.h"
 
@@ -11,6 +14,52 @@ MonitorConfig trialSettings(const std::string& config, const SensorChoice& senso
   sensors.applyTo(settings);
   settings.checker.checker.clearance_radius_m = 0.0;
   return settings;
+}
+
+/// Which of the cases one of several programs runs: each Nth.
+struct Part {
+  std::size_t number = 0, of = 1;
+};
+
+/// @throws InputError
+Part partOf(const std::string& text) {
+  Part part;
+  int length = 0;
+  const int read = std::sscanf(text.c_str(), "%zu/%zu%n", &part.number, &part.of, &length);
+  if (read == 2 && static_cast<std::size_t>(length) == text.size() && part.number < part.of) {
+    return part;
+  }
+  throw InputError("--part: has to be K/N, with K from 0 to N - 1: " + text);
+}
+
+std::string partPath(const std::string& folder, std::size_t number) {
+  return (std::filesystem::path(folder) / ("part_" + std::to_string(number))).string();
+}
+
+/// Says of which run a part is. @return which part. @throws InputError where it is of another run.
+Part archiveHead(Archive& archive, const TrialOptions& options, std::size_t count, Part part) {
+  auto experiment = options.experiment;
+  auto seed = options.seed;
+  auto cases = count;
+  archive(experiment, seed, cases, part.number, part.of);
+  if (experiment == options.experiment && seed == options.seed && cases == count) return part;
+  throw InputError("--join: the parts are of another run: " + options.join);
+}
+
+/// @throws InputError
+void join(const TrialOptions& options, std::size_t count,
+          const std::function<void(std::size_t, Archive&)>& archived) {
+  std::size_t parts = 1;
+  for (std::size_t k = 0; k < parts; ++k) {
+    Archive archive(readText(partPath(options.join, k), "a part of the trials"));
+    const Part part = archiveHead(archive, options, count, {});
+    if (k == 0) parts = part.of;
+    if (part.number != k || part.of != parts) {
+      throw InputError("--join: the parts are of several runs: " + options.join);
+    }
+    for (std::size_t i = k; i < count; i += parts) archived(i, archive);
+    if (!archive.atEnd()) throw InputError("--join: a part has more than its cases");
+  }
 }
 
 }  // namespace
@@ -29,8 +78,24 @@ void TrialRun::requireLaserAlone() const {
 
 std::uint64_t TrialRun::seedOf(std::size_t trial) const { return 1000003 * options.seed + trial; }
 
-void TrialRun::forEach(std::size_t count, const std::function<void(std::size_t)>& work) const {
-  inParallel(count, options.jobs, work, progress);
+void TrialRun::requireWhole() const {
+  if (options.part.empty() && options.join.empty()) return;
+  throw InputError("--scheduler: the cases of this experiment cannot be run apart");
+}
+
+void TrialRun::forEach(std::size_t count, const std::function<void(std::size_t)>& work,
+                       const std::function<void(std::size_t, Archive&)>& archived) const {
+  if (!options.join.empty()) return join(options, count, archived);
+  if (options.part.empty()) return inParallel(count, options.jobs, work, progress);
+  const Part part = partOf(options.part);
+  const std::size_t own = count > part.number ? (count - part.number - 1) / part.of + 1 : 0;
+  inParallel(
+      own, options.jobs, [&](std::size_t k) { work(part.number + k * part.of); }, progress);
+  Archive archive;
+  archiveHead(archive, options, count, part);
+  for (std::size_t k = 0; k < own; ++k) archived(part.number + k * part.of, archive);
+  writeText(partPath(options.out, part.number), archive.bytes());
+  throw PartDone();
 }
 
 }  // namespace tccm::simulation

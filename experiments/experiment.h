@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "experiments/archive.h"
 #include "experiments/parallel.h"
 #include "experiments/sensor_options.h"
 #include "monitor_config.h"
@@ -28,8 +29,16 @@ struct TrialOptions {
   std::string config;  ///< path of a YAML file with the nodelets' parameters; may be empty
   std::string out;     ///< folder
   bool no_pictures = false;
+  std::string
+      scheduler;     ///< address of a Dask scheduler, whose workers run the cases; may be empty
+  std::string part;  ///< K/N: of N programs that share the cases this is number K; may be empty
+  std::string join;  ///< folder with what N such programs found; may be empty
+  std::string experiment;  ///< its name
   SensorOptions sensors;
 };
+
+/// Thrown once a part of the cases has been run and written: there is nothing else to be found.
+struct PartDone {};
 
 /// Whether a trial's Config has a SensorChoice.
 template <typename Config, typename = void>
@@ -70,13 +79,20 @@ struct TrialRun {
   void requireLaserAlone() const;
   /// The seed of a trial: those of one run differ by one, those of different runs by more.
   [[nodiscard]] std::uint64_t seedOf(std::size_t trial) const;
-  /// As inParallel() of parallel.h, on the threads asked for.
-  void forEach(std::size_t count, const std::function<void(std::size_t)>& work) const;
+  /// As inParallel() of parallel.h, on the threads asked for; or a part of it, or none, where what
+  /// other programs found is joined. @param archived archives what work(i) found.
+  /// @throws PartDone, InputError
+  void forEach(std::size_t count, const std::function<void(std::size_t)>& work,
+               const std::function<void(std::size_t, Archive&)>& archived) const;
+  /// Of experiments whose cases cannot be shared. @throws InputError where they are to be.
+  void requireWhole() const;
   /// What trial(i, seed) returns for each i below count.
   template <typename Trial>
   [[nodiscard]] auto results(std::size_t count, const Trial& trial) const {
     std::vector<decltype(trial(std::size_t{}, std::uint64_t{}))> results(count);
-    forEach(count, [&](std::size_t i) { results[i] = trial(i, seedOf(i)); });
+    forEach(
+        count, [&](std::size_t i) { results[i] = trial(i, seedOf(i)); },
+        [&](std::size_t i, Archive& archive) { archive(results[i]); });
     return results;
   }
   /// Of trials that differ by their seeds alone.

@@ -8,6 +8,7 @@
 #include "experiments/draw.h"
 #include "experiments/experiment.h"
 #include "experiments/options.h"
+#include "experiments/result_members.h"
 #include "experiments/self_filter_trial.h"
 #include "experiments/stretching.h"
 #include "simulation/robot/dual_arm.h"
@@ -193,9 +194,12 @@ Findings runFalseStops(FalseStopsOptions options, const TrialRun& run) {
   // A contact at the present pose would hold until somebody resets.
   options.trial.monitor.checker.permission.hold_until_reset = false;
   std::vector<Motion> motions = motionsOf(options, run);
-  run.forEach(motions.size(), [&](std::size_t i) {
-    motions[i].tally = SelfFilterTrial(configOf(options, motions[i]), run.model).run({});
-  });
+  run.forEach(
+      motions.size(),
+      [&](std::size_t i) {
+        motions[i].tally = SelfFilterTrial(configOf(options, motions[i]), run.model).run({});
+      },
+      [&](std::size_t i, Archive& archive) { archive(motions[i].tally); });
   return findingsOf(motions, options);
 }
 

@@ -102,6 +102,7 @@ Findings runGoals(GoalsOptions options, const TrialRun& run) {
     throw InputError("--ros: the gate is a nodelet: goals cannot be sent without it");
   }
   run.requireLaserAlone();
+  run.requireWhole();
   NodeletGuardian nodelets(Simulator::Config().start);
   options.trial.guardian = &nodelets;
   options.trial.arms = controlledArms(options.trial.controller);

@@ -10,6 +10,7 @@
 #include "experiments/options.h"
 #include "experiments/place_speeds.h"
 #include "experiments/reaching_about.h"
+#include "experiments/result_members.h"
 #include "experiments/statistics.h"
 #include "simulation/wander.h"
 
@@ -284,7 +285,7 @@ Findings runGoverned(GovernedOptions options, const TrialRun& run) {
   speeds.phases = options.phases;
   speeds.controller = trial.controller;
   if (options.links == "hands") speeds.links = trial.links;
-  run.forEach(trials.size() + places.size(), [&](std::size_t i) {
+  const auto runCase = [&](std::size_t i) {
     if (i < trials.size()) {
       GovernedTrial::Config config = trial;
       config.motion = i % 2 == 0 ? kWander : kReachingAbout;
@@ -293,9 +294,16 @@ Findings runGoverned(GovernedOptions options, const TrialRun& run) {
       Place& place = places[i - trials.size()];
       place.governed =
           PlaceSpeeds(speeds, run.model, place.tilt_deg * kDegree, run.seedOf(i)).run();
-      compareWithConstant(options, place);
+    }
+  };
+  run.forEach(trials.size() + places.size(), runCase, [&](std::size_t i, Archive& archive) {
+    if (i < trials.size()) {
+      archive(trials[i]);
+    } else {
+      archive(places[i - trials.size()].governed);
     }
   });
+  for (Place& place : places) compareWithConstant(options, place);
   Findings findings(settingsOf(options), kColumns);
   add(trials, trial.distance_m, findings);
   if (!places.empty()) add(places, findings);

@@ -5,6 +5,7 @@
 #include "experiments/experiment.h"
 #include "experiments/markdown_table.h"
 #include "experiments/options.h"
+#include "experiments/result_members.h"
 #include "experiments/stopping_trial.h"
 
 namespace tccm::simulation {
@@ -184,7 +185,7 @@ Findings runHands(HandsOptions options, const TrialRun& run) {
   options.trial.obstacle = ObstacleKind::kArm;
   run.prepare(options.trial);
   std::vector<Case> cases = casesOf(options);
-  run.forEach(cases.size(), [&](std::size_t i) {
+  const auto runCase = [&](std::size_t i) {
     Case& one = cases[i];
     StoppingTrial::Config config = options.trial;
     config.obstacle_speed_mps = one.hand_mps;
@@ -193,7 +194,9 @@ Findings runHands(HandsOptions options, const TrialRun& run) {
     config.controller.speed_mps = one.speed_mps;
     config.controller.resume_mps2 = config.controller.acceleration_mps2;
     one.result = StoppingTrial(config, run.model, run.seedOf(i)).run();
-  });
+  };
+  run.forEach(cases.size(), runCase,
+              [&](std::size_t i, Archive& archive) { archive(cases[i].result); });
   return findingsOf(cases, options);
 }
 

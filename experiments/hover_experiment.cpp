@@ -7,6 +7,7 @@
 #include "experiments/ghost_trial.h"
 #include "experiments/hover_trial.h"
 #include "experiments/options.h"
+#include "experiments/result_members.h"
 
 namespace tccm::simulation {
 namespace {
@@ -160,12 +161,19 @@ Findings runHovers(HoverOptions options, const TrialRun& run) {
   ghost.validate();
   std::vector<HoverTrial::Result> hovers(options.trials);
   std::vector<GhostTrial::Result> ghosts(options.ghosts);
-  run.forEach(hovers.size() + ghosts.size(), [&](std::size_t i) {
+  const auto runCase = [&](std::size_t i) {
     if (i < hovers.size()) {
       hovers[i] = HoverTrial(options.trial, run.model, run.seedOf(i)).run();
     } else {
       const std::size_t k = i - hovers.size();
       ghosts[k] = GhostTrial(ghost, run.model, run.seedOf(k)).run();
+    }
+  };
+  run.forEach(hovers.size() + ghosts.size(), runCase, [&](std::size_t i, Archive& archive) {
+    if (i < hovers.size()) {
+      archive(hovers[i]);
+    } else {
+      archive(ghosts[i - hovers.size()]);
     }
   });
   Findings findings(settingsOf(options), kColumns);

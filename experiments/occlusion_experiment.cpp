@@ -5,6 +5,7 @@
 #include "experiments/experiment.h"
 #include "experiments/occlusion_trial.h"
 #include "experiments/options.h"
+#include "experiments/result_members.h"
 #include "experiments/statistics.h"
 
 namespace tccm::simulation {

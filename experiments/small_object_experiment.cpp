@@ -4,6 +4,7 @@
 #include "experiments/csv.h"
 #include "experiments/experiment.h"
 #include "experiments/options.h"
+#include "experiments/result_members.h"
 #include "experiments/small_object_trial.h"
 #include "tccm_monitor/config_error.h"
 

@@ -8,6 +8,7 @@
 #include "experiments/markdown_table.h"
 #include "experiments/nodelet_guardian.h"
 #include "experiments/options.h"
+#include "experiments/result_members.h"
 #include "experiments/statistics.h"
 #include "experiments/stopping_trial.h"
 
@@ -273,6 +274,7 @@ Findings runStopping(StoppingOptions options, const TrialRun& run) {
   MonitorConfig settings = run.settings;
   if (options.appear_distance_m > 0.0) govern(settings, options);
   if (options.through_nodelets) run.requireLaserAlone();
+  if (options.through_nodelets) run.requireWhole();
   run.prepare(options.trial, settings);
   std::vector<Case> cases(options.trials);
   std::optional<NodeletGuardian> nodelets;
@@ -291,8 +293,13 @@ Findings runStopping(StoppingOptions options, const TrialRun& run) {
     }
     one.result = StoppingTrial(config, run.model, run.seedOf(i)).run();
   };
-  // The nodelets hear one robot.
-  inParallel(cases.size(), nodelets ? 1 : run.options.jobs, runCase, run.progress);
+  if (nodelets) {  // they hear one robot
+    inParallel(cases.size(), 1, runCase, run.progress);
+  } else {
+    run.forEach(cases.size(), runCase, [&](std::size_t i, Archive& archive) {
+      archive(cases[i].speed_mps, cases[i].obstacle, cases[i].result);
+    });
+  }
   return findingsOf(cases, options);
 }
 

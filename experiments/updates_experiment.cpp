@@ -232,6 +232,7 @@ void compare(const Sweep& sweep, const IntegrationMap::Config& config,
 
 Findings runUpdates(UpdatesOptions options, const TrialRun& run) {
   run.requireLaserAlone();
+  run.requireWhole();
   Findings findings(
       {{"windows", options.windows}, {"steps", options.steps}, {"additions", options.additions}},
       "scene,cuboids,held,returns,bytes");

@@ -5,6 +5,7 @@
 #include "experiments/csv.h"
 #include "experiments/experiment.h"
 #include "experiments/options.h"
+#include "experiments/result_members.h"
 #include "experiments/statistics.h"
 #include "experiments/visibility_trial.h"
 

@@ -34,10 +34,26 @@ struct Options {
   std::string dump_verdicts;
   std::string dump_visibility;
   bool report = false;
+  bool no_times = false;
   std::vector<std::string> compare;
   std::string sweep;
   std::string reference;
 };
+
+void describeDumps(CLI::App& app, Options& options) {
+  app.add_option("--dump-points", options.dump_points,
+                 "CSV of the points that reached the map: scan,x,y,z; of sensors with names one "
+                 "each, FILE.NAME.csv");
+  app.add_option("--dump-cuboids", options.dump_cuboids,
+                 "CSV of the map after the last scan: x,y,bottom,top,age_scans,dyn,held; likewise");
+  app.add_option("--dump-verdicts", options.dump_verdicts,
+                 "CSV of all checks: stamp,scan,collision,occlusion,stop,reason,link; the stamp is "
+                 "the joint state's, the scan the newest in the map");
+  app.add_option("--dump-visibility", options.dump_visibility,
+                 "CSV of what was seen of each watched link in each check: "
+                 "stamp,scan,link,ahead,visible,occluded,unseen,way_unseen,evidence_age_s,"
+                 "next_look_s; the stamp is the check's");
+}
 
 void describe(CLI::App& app, Options& options) {
   app.footer(
@@ -78,6 +94,8 @@ void describe(CLI::App& app, Options& options) {
   app.add_flag("--report", options.report,
                "for people: report.html, with pictures of each stop beside it, and what they are "
                "drawn from");
+  auto* no_times = app.add_flag("--no-times", options.no_times,
+                                "no computing times: all that is written is the same in each run");
   auto* compare = app.add_option("--compare", options.compare,
                                  "two configurations: which stops come, go and move from the first "
                                  "to the second");
@@ -89,18 +107,8 @@ void describe(CLI::App& app, Options& options) {
                  "configuration whose stops are right; without it that of --config")
       ->needs(sweep);
   compare->excludes(sweep);
-  app.add_option("--dump-points", options.dump_points,
-                 "CSV of the points that reached the map: scan,x,y,z; of sensors with names one "
-                 "each, FILE.NAME.csv");
-  app.add_option("--dump-cuboids", options.dump_cuboids,
-                 "CSV of the map after the last scan: x,y,bottom,top,age_scans,dyn,held; likewise");
-  app.add_option("--dump-verdicts", options.dump_verdicts,
-                 "CSV of all checks: stamp,scan,collision,occlusion,stop,reason,link; the stamp is "
-                 "the joint state's, the scan the newest in the map");
-  app.add_option("--dump-visibility", options.dump_visibility,
-                 "CSV of what was seen of each watched link in each check: "
-                 "stamp,scan,link,ahead,visible,occluded,unseen,way_unseen,evidence_age_s,"
-                 "next_look_s; the stamp is the check's");
+  sweep->excludes(no_times);  // it measures them
+  describeDumps(app, options);
 }
 
 /// Nothing where no robot is asked for.
@@ -225,17 +233,29 @@ bool playAll(const Recording& recording, Evaluation& evaluation) {
   return true;
 }
 
+/// Where they are asked for. Those of an earlier run would be drawn.
+void writeTimes(const Options& options, const Totals& totals) {
+  const std::filesystem::path path = std::filesystem::path(options.out) / "timing.json";
+  if (options.no_times) {
+    std::error_code ignored;
+    std::filesystem::remove(path, ignored);
+    return;
+  }
+  const auto timing = timesOf(totals, options.report);
+  writeText(path.string(), timing.dump(2) + '\n');
+  printTimes(timing, std::cout);
+}
+
 /// @return the exit status.
 int conclude(const Options& options, const MonitorConfig& settings, const Evaluation& evaluation,
              Report* report, bool interrupted) {
   const std::filesystem::path folder(options.out);
   auto summary = summaryOf(evaluation, settings);
   if (interrupted) summary["interrupted"] = true;
-  const auto timing = timesOf(evaluation.totals(), options.report);
   const std::string path = (folder / "summary.json").string();
   writeText(path, summary.dump(2) + '\n');
-  writeText((folder / "timing.json").string(), timing.dump(2) + '\n');
-  printSummary(summary, timing, std::cout);
+  printSummary(summary, std::cout);
+  writeTimes(options, evaluation.totals());
   printStops(evaluation.totals(), std::cout);
   std::cout << "written  " << path << std::endl;
   if (report != nullptr) {

@@ -304,7 +304,7 @@ Json timesOf(const Totals& totals, bool each) {
   return json;
 }
 
-void printSummary(const Json& summary, const Json& timing, std::ostream& out) {
+void printSummary(const Json& summary, std::ostream& out) {
   if (summary.contains("sensors")) {
     for (const auto& [name, sensor] : summary["sensors"].items()) {
       out << "sensor   " << name << "\n";
@@ -336,6 +336,9 @@ void printSummary(const Json& summary, const Json& timing, std::ostream& out) {
     out << "warning  time jumped back " << summary["time_jumps"]
         << " times; each time all started anew\n";
   }
+}
+
+void printTimes(const Json& timing, std::ostream& out) {
   const Json& times = timing["time_us"];
   out << "time     assemble " << number(times["assemble"]["p50"]) << " us, integrate "
       << number(times["integrate"]["p50"]) << " us, scan to verdict "

@@ -57,9 +57,9 @@ void dumpVisibility(const Verdict& verdict, const Checker& checker, CsvFile& fil
                                                const MonitorConfig& settings);
 /// How long things took. @param each besides the percentiles, of each check after a scan.
 [[nodiscard]] nlohmann::ordered_json timesOf(const Totals& totals, bool each);
-/// Both for people, in a few lines.
-void printSummary(const nlohmann::ordered_json& summary, const nlohmann::ordered_json& timing,
-                  std::ostream& out);
+/// Either for people, in a few lines.
+void printSummary(const nlohmann::ordered_json& summary, std::ostream& out);
+void printTimes(const nlohmann::ordered_json& timing, std::ostream& out);
 /// A line for each of the first 20 stops: when, for how long, reason, link and detail.
 void printStops(const Totals& totals, std::ostream& out);
 /// Why a sensor's scans were dropped for that reason, and what to set.

@@ -236,6 +236,12 @@ def stop_parts(found, pictures, turnables):
     return "\n".join(parts)
 
 
+def latency(pictures):
+    return "<h2>How long checks took</h2>\n" + pictures.figure(
+        "latency", "latency.png, beside this page: how long checks took after a scan", "From a scan to the verdict on "
+        "this computer; it differs from run to run, so it lies beside this page.")
+
+
 def of(found, drawn):
     """@param drawn the pictures, by their names. @raises Missing"""
     objects, code = plotly()
@@ -258,9 +264,7 @@ def of(found, drawn):
                                 "then. Circles: what stops were about.")
                 + pictures.figure("map_in_3d", "the same map in 3D", "The same in 3D.",
                                   "map_in_3d" in data["scenes"])),
-        "LATENCY": pictures.figure("latency", "latency.png, beside this page: how long checks took "
-                                   "after a scan", "From a scan to the verdict on this computer; "
-                                   "it differs from run to run, so it lies beside this page."),
+        "LATENCY": latency(pictures) if found.timing is not None else "",
         "PLOTLY": packed(code), "DATA": packed(as_json(data)),
         "SCRIPT": (HERE / "page.js").read_text(encoding="utf-8")}
     parts = (HERE / "page.html").read_text(encoding="utf-8").split("@@")

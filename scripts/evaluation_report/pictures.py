@@ -28,7 +28,8 @@ def of(found):
     yield "timeline.png", lambda: draw_timeline(found)
     yield "map_from_above.png", lambda: draw_from_above(found)
     yield "map_in_3d.png", lambda: draw_map(found)
-    yield "latency.png", lambda: draw_latency(found)
+    if found.timing is not None:
+        yield "latency.png", lambda: draw_latency(found)
 
 
 def png(figure):

@@ -54,7 +54,8 @@ def duration(seconds):
 
 
 class Record:
-    """@var rows of the timeline, a check each. @var stops as evaluate numbers them."""
+    """@var rows of the timeline, a check each. @var stops as evaluate numbers them. @var timing None where there are no
+    computing times."""
 
     def __init__(self, scenes, rows, summary, timing):
         self.scenes, self.rows, self.summary, self.timing = scenes, rows, summary, timing
@@ -95,8 +96,9 @@ def read(folder):
     try:
         with open(folder / "timeline.csv", encoding="utf-8", newline="") as file:
             rows = list(csv.DictReader(file))
+        timing = folder / "timing.json"
         return Record(json_of(folder / "scenes.json"), rows, json_of(folder / "summary.json"),
-                      json_of(folder / "timing.json"))
+                      json_of(timing) if timing.exists() else None)
     except (OSError, ValueError) as error:
         raise Missing(f"{folder} has not what `evaluate --report` writes: {error}") from error
 

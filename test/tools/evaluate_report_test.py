@@ -161,6 +161,23 @@ class MadeReports(ReportTest):
         self.assertFalse((folder / "stop_49.png").exists())
         self.assertTrue((folder / "mine.png").exists())
 
+    def test_without_times_all_is_the_same_in_each_run(self):
+        bag, urdf, config = self.slid()
+        one = self.report(bag, urdf, config)
+        arguments = self.arguments(bag, "other", urdf, config)
+        pathlib.Path(self.path("other")).mkdir()
+        for name in ("timing.json", "latency.png"):
+            (pathlib.Path(self.path("other")) / name).write_text("{}", encoding="utf-8")
+        done = self.call(*arguments, "--no-times")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertNotIn("time     ", done.stdout)
+        other = pathlib.Path(self.path("other"))
+        self.assertEqual({path.name for path in one.iterdir()} - {path.name for path in other.iterdir()}, DIFFERS)
+        self.assertNotIn("latency", Page(other / "report.html").ids("figure"))
+        self.assertNotIn("How long checks took", Page(other / "report.html").text)
+        for path in set(other.iterdir()) - {other / "report.html"}:
+            self.assertEqual(path.read_bytes(), (one / path.name).read_bytes(), path.name)
+
     def test_without_report_nothing_of_it_is_written(self):
         bag, urdf, config = self.slid()
         done = self.call("--bag", bag, "--urdf", urdf, "--config", config, "--out", self.path("out"))

@@ -1,0 +1,1 @@
+"""Calls of a program, spread over the cores of this computer or over a Dask cluster."""
