@@ -27,8 +27,8 @@
 #include "nodelets/scan_tracer.h"
 #include "nodelets/sensor_feed.h"
 #include "nodelets/tuning.h"
-#include "ros/stop_cause.h"
 #include "ros/advice.h"
+#include "ros/stop_cause.h"
 #include "ros/transform_history.h"
 #include "stops/stop_recorder.h"
 

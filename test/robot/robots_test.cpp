@@ -11,12 +11,12 @@
 #include <set>
 
 #include "fit/primitives_file.h"
+#include "robot/link_primitives.h"
 #include "ros/resources.h"
 #include "support/geometric_shapes_body.h"
 #include "support/random.h"
 #include "support/robot_meshes.h"
 #include "tccm_monitor/robot_model.h"
-#include "robot/link_primitives.h"
 
 namespace tccm {
 namespace {

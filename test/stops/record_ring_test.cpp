@@ -39,7 +39,8 @@ std::vector<Kept> readAll(const std::vector<RecordRing::Chunk*>& chunks) {
   std::vector<Kept> records;
   for (const RecordRing::Chunk* chunk : chunks) {
     chunk->visit([&records](const RecordRing::Chunk::Record& record) {
-      records.push_back({record.topic, record.stamp.time_since_epoch().count(),
+      records.push_back({record.topic,
+                         record.stamp.time_since_epoch().count(),
                          {record.bytes, record.bytes + record.size}});
     });
   }
