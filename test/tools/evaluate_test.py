@@ -230,7 +230,7 @@ class OnBadInput(EvaluateTest):
     def test_what_cannot_be_worked_with_is_refused_in_one_line(self):
         bag, config = self.path("in.bag"), self.text("config.yaml", CONFIG)
         Stream(1.0).write(bag)
-        self.assertRefuses("[--bag,--clouds] is required")
+        self.assertRefuses("[--bag,--clouds,--stop] is required")
         self.assertRefuses("no such bag", "--bag", self.path("none.bag"))
         self.assertRefuses("no readable bag", "--bag", config)
         self.assertRefuses("no messages on scan topic '/scan'; the bag has: /tilt_scan", "--bag", bag)
