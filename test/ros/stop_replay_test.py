@@ -101,7 +101,7 @@ class StopReplayTest(unittest.TestCase):
                 self.assertLess(path.stat().st_size, 16e6)
 
     def test_a_bag_that_says_otherwise_is_told(self):
-        """The same bag, but for the last joint states and maps."""
+        """The same bag, but for the reason of its last check."""
         program = roslib.packages.find_node("tccm_monitor", "evaluate")[0]
         path, other = self.bags()[-1], self.folder / "other"
         with rosbag.Bag(str(path)) as bag, rosbag.Bag(str(other), "w") as changed:
