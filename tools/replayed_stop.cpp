@@ -2,7 +2,7 @@
 
 #include "program.h"
 #include "report_figures.h"
-#include "stops/stop_replay.h"
+#include "ros/stops/stop_replay.h"
 
 namespace tccm {
 namespace {

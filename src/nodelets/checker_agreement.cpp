@@ -17,6 +17,7 @@ void CollisionChecker::compareWithModel() {
 }
 
 void CollisionChecker::nowAndThen() {
+  if (recorder_) tellStopDefect();
   const std::vector<std::string> texts = checker_->agreement().notCompared();
   if (texts.size() <= told_not_compared_) return;
   told_not_compared_ = texts.size();

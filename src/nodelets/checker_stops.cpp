@@ -4,7 +4,7 @@
 
 #include "nodelets/collision_checker.h"
 #include "ros/server_config.h"
-#include "stops/recorded_robot.h"
+#include "ros/stops/recorded_robot.h"
 
 namespace tccm {
 
@@ -20,6 +20,13 @@ void CollisionChecker::makeRecorder() {
   for (SensorFeed& feed : feeds_) feed.hearPoints(node(), *recorder_);
   NODELET_INFO("Stops are written to %s: at most %d bags of %.3g MB.", config_.stops.folder.c_str(),
                config_.stops.bags_max, 0.5 * config_.stops.memory_mb);
+}
+
+void CollisionChecker::tellStopDefect() {
+  const std::string defect = recorder_->report().writer.defect;
+  if (defect == told_stop_defect_) return;
+  told_stop_defect_ = defect;
+  if (!defect.empty()) NODELET_ERROR("A stop could not be written: %s.", defect.c_str());
 }
 
 void CollisionChecker::diagnoseStops(diagnostic_updater::DiagnosticStatusWrapper& status) const {

@@ -29,8 +29,8 @@
 #include "nodelets/tuning.h"
 #include "ros/advice.h"
 #include "ros/stop_cause.h"
+#include "ros/stops/stop_recorder.h"
 #include "ros/transform_history.h"
-#include "stops/stop_recorder.h"
 
 namespace tccm {
 
@@ -60,7 +60,7 @@ class CollisionChecker : public DiagnosedNodelet {
   };
 
   void setUp() override;
-  /// Tells what is not compared with tf, as often as that becomes more.
+  /// Tells what is not compared with tf, as often as that becomes more, and stops that were lost.
   void nowAndThen() override;
   /// [s] that arms behind a TrajectoryGate take to halt.
   [[nodiscard]] double gatesStopDuration() const;
@@ -73,6 +73,8 @@ class CollisionChecker : public DiagnosedNodelet {
   void receiveTransforms(const tf2_msgs::TFMessage& message, bool is_static);
   /// Where stops are to be kept.
   void makeRecorder();
+  /// Once each time that it changes.
+  void tellStopDefect();
   /// Now and then, off the way from a scan to its verdict.
   void compareWithModel();
   /// Checks, and publishes where it got worse. Whatever goes wrong is a fault.

@@ -17,7 +17,7 @@
 #include "ros/conversions.h"
 #include "ros/handles.h"
 #include "ros/published_map.h"
-#include "stops/stop_recorder.h"
+#include "ros/stops/stop_recorder.h"
 
 namespace tccm {
 

@@ -100,20 +100,30 @@ class StopReplayTest(unittest.TestCase):
                 self.assertFalse([call for call in calls if call.call == CheckerCall.CHECK][-2].stop)
                 self.assertLess(path.stat().st_size, 16e6)
 
-    def test_a_bag_that_says_otherwise_is_told(self):
-        """The same bag, but for the reason of its last check."""
-        program = roslib.packages.find_node("tccm_monitor", "evaluate")[0]
+    def replay_changed(self, change):
+        """@param change (messages, index of the last call): changes the list."""
         path, other = self.bags()[-1], self.folder / "other"
         with rosbag.Bag(str(path)) as bag, rosbag.Bag(str(other), "w") as changed:
             messages = list(bag.read_messages())
-            last = max(i for i, (topic, _, _) in enumerate(messages) if topic == "calls")
-            for i, (topic, message, stamp) in enumerate(messages):
-                if i == last:
-                    message.reason = "KEEP_OUT"
+            change(messages, max(i for i, (topic, _, _) in enumerate(messages) if topic == "calls"))
+            for topic, message, stamp in messages:
                 changed.write(topic, message, stamp)
-        done = subprocess.run([program, "--stop", other], capture_output=True, text=True, check=False)
+        program = roslib.packages.find_node("tccm_monitor", "evaluate")[0]
+        return subprocess.run([program, "--stop", other], capture_output=True, text=True, check=False)
+
+    def test_a_bag_that_says_otherwise_is_told(self):
+        def change(messages, last):
+            messages[last].message.reason = "KEEP_OUT"
+        done = self.replay_changed(change)
         self.assertEqual(done.returncode, 1)
         self.assertIn("NOT the same verdict", done.stdout)
+
+    def test_a_bag_that_was_cut_is_no_stop(self):
+        def change(messages, last):
+            del messages[last:]
+        done = self.replay_changed(change)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("does not end with a stop", done.stderr)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-#include "stops/stop_recorder.h"
+#include "ros/stops/stop_recorder.h"
 
 #include <tf2_eigen/tf2_eigen.h>
 
@@ -9,7 +9,7 @@
 
 #include "check/check_inputs.h"
 #include "ros/conversions.h"
-#include "stops/message_delta.h"
+#include "ros/stops/message_delta.h"
 
 namespace tccm {
 namespace {
@@ -183,8 +183,7 @@ void StopRecorder::appendMap() {
   ros::serialization::OStream stream(message_.data(), static_cast<std::uint32_t>(message_.size()));
   ros::serialization::serialize(stream, *coming_);
   // What differs is never much longer than all of it.
-  startChunkFor(ros::serialization::serializationLength(coming_call_) + message_.size() +
-                message_.size() / 4 + 100);
+  if (!makeRoomFor(coming_call_, message_.size() + message_.size() / 4 + 100)) return;
   place(topicIndex(StopTopicId::kCalls), coming_call_);
   std::vector<std::uint8_t>& last = maps_[sensor];
   if (last.empty()) {
@@ -273,10 +272,18 @@ void StopRecorder::append(const Call& call) {
 
 template <typename Message>
 void StopRecorder::append(const Call& call, std::uint8_t topic, const Message& message) {
-  startChunkFor(ros::serialization::serializationLength(call) +
-                ros::serialization::serializationLength(message) + RecordRing::kHeader);
+  if (!makeRoomFor(call, ros::serialization::serializationLength(message))) return;
   place(topicIndex(StopTopicId::kCalls), call);
   place(topic, message);
+}
+
+bool StopRecorder::makeRoomFor(const Call& call, std::size_t size) {
+  const std::size_t both =
+      ros::serialization::serializationLength(call) + RecordRing::kHeader + size;
+  startChunkFor(both);
+  const bool fits = !ring_.startsChunk(both);
+  if (!fits) ++lost_;
+  return fits;
 }
 
 template <typename Message>

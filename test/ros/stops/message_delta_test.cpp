@@ -1,4 +1,4 @@
-#include "stops/message_delta.h"
+#include "ros/stops/message_delta.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "stops/record_ring.h"
+#include "ros/stops/record_ring.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "stops/stop_writer.h"
+#include "ros/stops/stop_writer.h"
 
 #include <ros/serialization.h>
 #include <rosbag/bag.h>

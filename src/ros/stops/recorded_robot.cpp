@@ -1,4 +1,4 @@
-#include "stops/recorded_robot.h"
+#include "ros/stops/recorded_robot.h"
 
 #include <rosbag/view.h>
 #include <std_msgs/String.h>
@@ -9,7 +9,7 @@
 
 #include "fit/primitives_file.h"
 #include "robot/link_primitives.h"
-#include "stops/stop_topics.h"
+#include "ros/stops/stop_topics.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {

@@ -1,4 +1,4 @@
-#include "stops/stop_replay.h"
+#include "ros/stops/stop_replay.h"
 
 #include <ros/serialization.h>
 #include <rosbag/bag.h>
@@ -27,9 +27,9 @@
 #include "ros/agreement_transforms.h"
 #include "ros/checker_frames.h"
 #include "ros/conversions.h"
+#include "ros/stops/message_delta.h"
+#include "ros/stops/recorded_robot.h"
 #include "ros/transform_history.h"
-#include "stops/message_delta.h"
-#include "stops/recorded_robot.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
@@ -73,6 +73,9 @@ class Replay {
 
   [[nodiscard]] StopReplay result() const {
     if (result_.checks == 0) throw std::runtime_error("it has no check");
+    if (awaits_ || !result_.recorded.stop) {
+      throw std::runtime_error("it does not end with a stop: it may have been cut");
+    }
     return result_;
   }
 

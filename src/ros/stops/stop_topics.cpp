@@ -1,4 +1,4 @@
-#include "stops/stop_topics.h"
+#include "ros/stops/stop_topics.h"
 
 #include <ros/message_traits.h>
 #include <sensor_msgs/JointState.h>

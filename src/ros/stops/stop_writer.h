@@ -7,8 +7,8 @@
 #include <thread>
 #include <vector>
 
-#include "stops/record_ring.h"
-#include "stops/stop_topics.h"
+#include "ros/stops/record_ring.h"
+#include "ros/stops/stop_topics.h"
 
 namespace tccm {
 

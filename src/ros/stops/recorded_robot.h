@@ -6,7 +6,7 @@
 #include <string>
 
 #include "monitor_config.h"
-#include "stops/stop_writer.h"
+#include "ros/stops/stop_writer.h"
 
 namespace tccm {
 

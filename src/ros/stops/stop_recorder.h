@@ -19,9 +19,9 @@
 
 #include "monitor_config.h"
 #include "ros/published_map.h"
-#include "stops/record_ring.h"
-#include "stops/stop_topics.h"
-#include "stops/stop_writer.h"
+#include "ros/stops/record_ring.h"
+#include "ros/stops/stop_topics.h"
+#include "ros/stops/stop_writer.h"
 #include "tccm_monitor/checker.h"
 
 namespace tccm {
@@ -75,9 +75,11 @@ class StopRecorder {
   void note(const Call& call);
   void noteVerdict(Call& call, const Verdict& verdict);
   void append(const Call& call);
-  /// With the message that belongs to it, in one chunk.
+  /// With the message that belongs to it, in one chunk: both, or neither.
   template <typename Message>
   void append(const Call& call, std::uint8_t topic, const Message& message);
+  /// @return whether the call and a message of that size fit into the newest chunk.
+  [[nodiscard]] bool makeRoomFor(const Call& call, std::size_t size);
   template <typename Message>
   void place(std::uint8_t topic, const Message& message);
   /// Where a record of so many bytes begins a chunk: what it needs of what came before goes first.
