@@ -99,10 +99,11 @@ void describe(CLI::App& app, Options& options) {
   auto* compare = app.add_option("--compare", options.compare,
                                  "two configurations: which stops come, go and move from the first "
                                  "to the second");
-  compare->expected(2);
+  compare->expected(2)->needs(app.get_option("--urdf"));
   auto* sweep = app.add_option("--sweep", options.sweep,
                                "key=from:to:step: the stops, clearance and cost at each value of "
                                "one parameter, and against those of --reference");
+  sweep->needs(app.get_option("--urdf"));
   app.add_option("--reference", options.reference,
                  "configuration whose stops are right; without it that of --config")
       ->needs(sweep);

@@ -69,6 +69,10 @@ Run runOf(const WhatIf& what_if, const Trial& trial, const Progress& progress) {
   Evaluation evaluation(trial.settings, what_if.model(trial.settings), observer);
   play(*what_if.open(trial.settings), evaluation, progress);
   const Totals& totals = evaluation.totals();
+  // Of nothing seen there is no stop to compare, which does not mean that there would be none.
+  if (totals.scans_mapped == 0) {
+    throw InputError(trial.name + ": " + whyNothingMapped(evaluation, trial.settings));
+  }
   run.stops = comparedStopsOf(totals);
   const Json summary = summaryOf(evaluation, trial.settings);
   run.stop_fraction = numberIn(summary.at("stop_fraction"));
@@ -306,10 +310,12 @@ int sweepTrials(const WhatIf& what_if, const Trial& reference, const std::vector
         {"name", run.name},
         {"scan_to_verdict", {{"p50", jsonOf(run.p50_us)}, {"p99", jsonOf(run.p99_us)}}}};
     timing.push_back(cost);
-    std::cout << formatted(
-        "%-9s %5zu  %5zu  %6zu  %7.1f %%  %s\n", run.name.c_str(), run.stops.size(), come, gone,
-        100.0 * run.stop_fraction.value_or(0.0),
-        run.least_clearance_m ? formatted("%.3f m", *run.least_clearance_m).c_str() : "-");
+    const std::string share =
+        run.stop_fraction ? formatted("%7.1f %%", 100.0 * *run.stop_fraction) : "        -";
+    const std::string clearance =
+        run.least_clearance_m ? formatted("%.3f m", *run.least_clearance_m) : "-";
+    std::cout << formatted("%-9s %5zu  %5zu  %6zu  %s  %s\n", run.name.c_str(), run.stops.size(),
+                           come, gone, share.c_str(), clearance.c_str());
   }
   writeText((std::filesystem::path(what_if.out) / "sweep_timing.json").string(),
             timing.dump(2) + '\n');

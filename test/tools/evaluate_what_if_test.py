@@ -95,6 +95,15 @@ class WhatIfTest(unittest.TestCase):
                 self.assertIn(told, done.stderr)
                 self.assertEqual(len(done.stderr.splitlines()), 1)
 
+    def test_what_saw_nothing_is_not_the_same(self):
+        """No stop is found with it, which does not mean that there would be none."""
+        other = self.folder / "other.yaml"
+        config = yaml.safe_load(SIMULATION.read_text())
+        config["tilt_scan_assembler"]["transform_gap_max_s"] = 0.001
+        other.write_text(yaml.safe_dump(config))
+        done = self.evaluate("nothing", "--compare", SIMULATION, other, status=2)
+        self.assertIn("transform_gap", done.stderr)
+
 
 if __name__ == "__main__":
     unittest.main()
