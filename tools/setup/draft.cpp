@@ -270,8 +270,11 @@ bool SetupDraft::learnModel(const OwnReturns& own) {
   double worst_m = 0.0;
   std::set<std::string> arms;  // what else there is stands on and beside things
   for (const std::size_t link : linksFrom(*model_, kArmJoints)) arms.insert(model_->links()[link]);
+  std::vector<std::string> compared;
   for (const OwnReturns::OfLink& link : own.links()) {
-    if (link.reach_m <= padding_m || arms.count(link.link) == 0) continue;
+    if (arms.count(link.link) == 0) continue;
+    compared.push_back(link.link);
+    if (link.reach_m <= padding_m) continue;
     const double needed_m = link.reach_m + 0.005;
     if (link.is_apart || needed_m > kPaddingRaisedTo) {
       worst_m = std::max(worst_m, link.is_apart ? link.median_m : link.reach_m);
@@ -284,6 +287,17 @@ bool SetupDraft::learnModel(const OwnReturns& own) {
     why += formatted("%s%s %.0f mm",
                      why.empty() ? "its own returns lie outside of the model by: " : ", ",
                      link.link.c_str(), 1e3 * link.reach_m);
+  }
+  if (!arms.empty()) {
+    text_.remark(
+        formatted("Of %zu links of the arms %zu were seen well enough to compare them with "
+                  "the model: ",
+                  arms.size(), compared.size()) +
+        yamlList(compared));
+  }
+  if (compared.empty() && !arms.empty()) {
+    notes_.push_back(
+        "no sensor saw enough of the arms to tell whether they are where the model is");
   }
   for (const Sensor& sensor : sensors_) {
     if (exceptions.empty() || !apart.empty()) break;
@@ -302,7 +316,8 @@ bool SetupDraft::learnModel(const OwnReturns& own) {
 void SetupDraft::learn(const Lessons& lessons, bool is_patient) {
   for (std::size_t i = 0; i < sensors_.size(); ++i) {
     std::string what = whatOf(*sensors_[i].heard);
-    if (model_) what += formatted("; %.0f %% on the robot", 100.0 * lessons.robot_shares[i]);
+    const auto& share = lessons.robot_shares[i];
+    if (model_ && share) what += formatted("; %.0f %% on the robot", 100.0 * *share);
     setTopic(sensors_[i], what);
   }
   for (std::size_t i = 0; i < sensors_.size(); ++i) {

@@ -15,14 +15,15 @@ void noteLargest(double age_s, double at_most_s, double& largest_s) {
   if (age_s <= at_most_s) largest_s = std::max(largest_s, age_s);
 }
 
-/// Of the ranges that were measured.
-double robotShareOf(const BeamCounts& beams) {
+/// Of the ranges that were measured; nothing where none was.
+std::optional<double> robotShareOf(const BeamCounts& beams) {
   const auto of = [&beams](BeamKind kind) {
     return static_cast<double>(beams[static_cast<std::size_t>(kind)]);
   };
   const double measured = of(BeamKind::kReturn) + of(BeamKind::kMixedPixel) + of(BeamKind::kSelf) +
                           of(BeamKind::kShadow);
-  return measured > 0.0 ? of(BeamKind::kSelf) / measured : 0.0;
+  if (measured == 0.0) return std::nullopt;
+  return of(BeamKind::kSelf) / measured;
 }
 
 }  // namespace

@@ -25,7 +25,8 @@ struct Lessons {
   std::map<std::string, double> visible;
   /// By sensor: points inside the area or on the floor below it, the robot's left out.
   std::vector<std::size_t> points_in_area;
-  std::vector<double> robot_shares;  ///< of what was measured, by sensor: taken for the robot
+  /// By sensor: what of the returns was taken for the robot; nothing where there was none.
+  std::vector<std::optional<double>> robot_shares;
 };
 
 /// A robot that was heard: its bag, and its model where that is known.
