@@ -6,6 +6,7 @@
 #include "experiments/dynamic_trial.h"
 #include "experiments/experiment.h"
 #include "experiments/options.h"
+#include "experiments/result_members.h"
 
 namespace tccm::simulation {
 namespace {
@@ -70,10 +71,10 @@ constexpr char kColumns[] =
 
 std::string rowOf(const DynamicTrial::Result& trial) {
   const DynamicTally& tally = trial.tally;
-  return csvRow(trial.seed, trial.scene.name, fixed(trial.phase, 4), fixed(trial.scene.period_s, 4),
-                fixed(trial.scene.height_m, 4), fixed(trial.scene.speed_mps, 3), trial.maps,
-                tally.standing, tally.standing_static, tally.moving, tally.moving_static,
-                tally.both, fixed(tally.staticRecall(), 4), fixed(tally.staticPrecision(), 4),
+  return csvRow(trial.seed, trial.scene, fixed(trial.phase, 4), fixed(trial.period_s, 4),
+                fixed(trial.height_m, 4), fixed(trial.speed_mps, 3), trial.maps, tally.standing,
+                tally.standing_static, tally.moving, tally.moving_static, tally.both,
+                fixed(tally.staticRecall(), 4), fixed(tally.staticPrecision(), 4),
                 fixed(tally.movingStatic(), 4));
 }
 
@@ -83,10 +84,8 @@ std::string cuboidRows(const std::vector<DynamicTrial::Result>& trials) {
   std::string rows = "scene,x,y,bottom,top,source,static\n";
   for (const DynamicTrial::Result& trial : trials) {
     for (const DynamicTrial::JudgedCuboid& judged : trial.cuboids) {
-      const Eigen::Vector2d centre = trial.grid.centre(judged.cuboid.cell);
-      rows += csvRow(trial.scene.name, fixed(centre.x(), 3), fixed(centre.y(), 3),
-                     fixed(trial.grid.metres(judged.cuboid.bottom), 3),
-                     fixed(trial.grid.metres(judged.cuboid.top), 3),
+      rows += csvRow(trial.scene, fixed(judged.x_m, 3), fixed(judged.y_m, 3),
+                     fixed(judged.bottom_m, 3), fixed(judged.top_m, 3),
                      kNames[static_cast<std::size_t>(judged.source)], judged.called_static);
     }
   }
@@ -101,9 +100,9 @@ Findings findingsOf(const std::vector<DynamicTrial::Result>& trials,
   std::map<std::string, std::array<DynamicTally, kPhases>> by_phase;
   for (const DynamicTrial::Result& trial : trials) {
     findings.add(rowOf(trial), trial.simulated_s);
-    by_scene[trial.scene.name].add(trial.tally);
+    by_scene[trial.scene].add(trial.tally);
     const auto phase = static_cast<std::size_t>(trial.phase * static_cast<double>(kPhases));
-    by_phase[trial.scene.name][std::min(phase, kPhases - 1)].add(trial.tally);
+    by_phase[trial.scene][std::min(phase, kPhases - 1)].add(trial.tally);
   }
   for (const auto& [scene, tally] : by_scene) {
     Json& figures = findings.figures[scene] = toJson(tally);
@@ -124,16 +123,11 @@ Findings findingsOf(const std::vector<DynamicTrial::Result>& trials,
 Findings runDynamic(DynamicOptions options, const TrialRun& run) {
   options.trial.static_windows = run.settings.mapper.static_windows;
   run.prepare(options.trial);
-  run.requireWhole();
-  std::vector<DynamicTrial::Result> trials(options.trials);
-  run.forEach(trials.size(),
-              [&](std::size_t i) {
-                DynamicTrial::Config config = options.trial;
-                config.keep_cuboids = i < kScenes.size();
-                const std::string& scene = kScenes[i % kScenes.size()];
-                trials[i] = DynamicTrial(config, scene, run.model, run.seedOf(i)).run();
-              },
-              {});
+  const auto trials = run.results(options.trials, [&](std::size_t i, std::uint64_t seed) {
+    DynamicTrial::Config config = options.trial;
+    config.keep_cuboids = i < kScenes.size();
+    return DynamicTrial(config, kScenes[i % kScenes.size()], run.model, seed).run();
+  });
   return findingsOf(trials, options);
 }
 

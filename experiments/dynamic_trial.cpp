@@ -131,19 +131,23 @@ void DynamicTrial::Config::validate() const {
 DynamicTrial::DynamicTrial(const Config& config, const std::string& scene,
                            std::shared_ptr<const RobotModel> model, std::uint64_t seed)
     : config_(config),
-      result_{seed, dynamicScene(scene, seed), {}, 0.0, 0, 0.0, Grid(), {}},
-      setting_(settingOf(config, result_.scene, seed)),
+      scene_(dynamicScene(scene, seed)),
+      setting_(settingOf(config, scene_, seed)),
       simulation_(setting_, config.monitor, std::move(model)) {
+  result_.seed = seed;
+  result_.scene = scene_.name;
+  result_.period_s = scene_.period_s;
+  result_.height_m = scene_.height_m;
+  result_.speed_mps = scene_.speed_mps;
   simulation_.onScan([this](const SimulatedScan& scan) { addScan(scan); });
 }
 
 DynamicTrial::Result DynamicTrial::run() {
-  const double length_s = result_.scene.starts_s + config_.settle_s + config_.judge_s;
+  const double length_s = scene_.starts_s + config_.settle_s + config_.judge_s;
   while (simulation_.simulator().now() < setting_.start + fromSeconds(length_s)) {
     simulation_.step();
   }
-  const double turns =
-      result_.scene.phase_rad / (2.0 * M_PI) + result_.scene.starts_s / result_.scene.period_s;
+  const double turns = scene_.phase_rad / (2.0 * M_PI) + scene_.starts_s / scene_.period_s;
   result_.phase = turns - std::floor(turns);
   result_.simulated_s = length_s;
   return std::move(result_);
@@ -165,7 +169,7 @@ void DynamicTrial::addScan(const SimulatedScan& scan) {
   }
   window_.push_back(std::move(entries));
   while (window_.size() > monitor.map()->window_scans) window_.pop_front();
-  const double first_s = result_.scene.starts_s + config_.settle_s;
+  const double first_s = scene_.starts_s + config_.settle_s;
   if (scan.scan.stamp < setting_.start + fromSeconds(first_s)) return;
   if (scans_++ % config_.every == 0) judge();
 }
@@ -188,15 +192,17 @@ void DynamicTrial::judge() {
   const CuboidMap& map = *simulation_.monitor().map();
   const std::vector<ReturnSources> returns = sources(map);
   ++result_.maps;
-  result_.grid = map.grid;
   result_.cuboids.clear();
   for (std::size_t i = 0; i < map.cuboids.size(); ++i) {
-    if (map.cuboids[i].held) continue;
+    const Cuboid& cuboid = map.cuboids[i];
+    if (cuboid.held) continue;
     const CuboidSource source = sourceOf(returns[i]);
-    const bool called_static =
-        map.cuboids[i].dyn >= static_cast<std::uint32_t>(config_.static_windows);
+    const bool called_static = cuboid.dyn >= static_cast<std::uint32_t>(config_.static_windows);
     result_.tally.add(source, called_static);
-    if (config_.keep_cuboids) result_.cuboids.push_back({map.cuboids[i], source, called_static});
+    if (!config_.keep_cuboids) continue;
+    const Eigen::Vector2d centre = map.grid.centre(cuboid.cell);
+    result_.cuboids.push_back({centre.x(), centre.y(), map.grid.metres(cuboid.bottom),
+                               map.grid.metres(cuboid.top), source, called_static});
   }
 }
 

@@ -75,18 +75,19 @@ class DynamicTrial {
     void validate() const;
   };
   struct JudgedCuboid {
-    Cuboid cuboid;
-    CuboidSource source;
-    bool called_static;
+    double x_m = 0.0, y_m = 0.0;  ///< of its cell's centre
+    double bottom_m = 0.0, top_m = 0.0;
+    CuboidSource source = CuboidSource::kMixed;
+    bool called_static = false;
   };
   struct Result {
     std::uint64_t seed = 0;
-    DynamicScene scene;
+    std::string scene;                                       ///< its name
+    double period_s = 0.0, height_m = 0.0, speed_mps = 0.0;  ///< of the scene
     DynamicTally tally;
     double phase = 0.0;  ///< of the tilt, 0 to 1, when the thing began to move
     std::size_t maps = 0;
     double simulated_s = 0.0;
-    Grid grid;
     std::vector<JudgedCuboid> cuboids;  ///< where they are kept
   };
 
@@ -108,6 +109,7 @@ class DynamicTrial {
   void judge();
 
   Config config_;
+  DynamicScene scene_;
   Result result_;
   Simulator::Config setting_;
   MonitoredSimulation simulation_;

@@ -1,7 +1,11 @@
 #include "experiments/experiment.h"
 
+#include <link.h>
+
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include "experiments/simulated_settings.h"
 #include "simulation/robot/dual_arm.h"
@@ -36,8 +40,32 @@ std::string partPath(const std::string& folder, std::size_t number) {
   return (std::filesystem::path(folder) / ("part_" + std::to_string(number))).string();
 }
 
-/// Says of which run a part is. @return which part. @throws InputError where it is of another run.
+/// Of the files that this program is made of: its own, and the package's libraries.
+std::uint64_t buildHash() {
+  std::uint64_t hash = 14695981039346656037U;  // FNV-1a
+  const auto addFile = [](dl_phdr_info* info, std::size_t /*size*/, void* data) {
+    const std::string name = info->dlpi_name;
+    if (!name.empty() && name.find("tccm_monitor") == std::string::npos) return 0;
+    auto& sum = *static_cast<std::uint64_t*>(data);
+    std::ifstream file(name.empty() ? "/proc/self/exe" : name, std::ios::binary);
+    for (std::istreambuf_iterator<char> byte(file), end; byte != end; ++byte) {
+      sum = (sum ^ static_cast<unsigned char>(*byte)) * 1099511628211U;
+    }
+    return 0;
+  };
+  dl_iterate_phdr(addFile, &hash);
+  return hash;
+}
+
+/// Says of which run a part is. @return which part. @throws InputError where it is of another run,
+/// or of another build, whose bytes mean something else.
 Part archiveHead(Archive& archive, const TrialOptions& options, std::size_t count, Part part) {
+  static const std::uint64_t kBuild = buildHash();
+  std::uint64_t build = kBuild;
+  archive(build);
+  if (build != kBuild) {
+    throw InputError("--join: a part is of another build of the package: " + options.join);
+  }
   auto experiment = options.experiment;
   auto seed = options.seed;
   auto cases = count;

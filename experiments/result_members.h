@@ -1,6 +1,7 @@
 #pragma once
 
 #include "experiments/archive.h"
+#include "experiments/dynamic_trial.h"
 #include "experiments/ghost_trial.h"
 #include "experiments/governed_trial.h"
 #include "experiments/hover_trial.h"
@@ -63,6 +64,21 @@ inline auto membersOf(VisibilityTrial::Result& result) {
 inline auto membersOf(GovernedTrial::Case& one) {
   auto& [stamp, link, way, left, wait, looked] = one;
   return std::tie(stamp, link, way, left, wait, looked);
+}
+
+inline auto membersOf(DynamicTally& tally) {
+  auto& [standing, standing_static, moving, moving_static, both, both_static] = tally;
+  return std::tie(standing, standing_static, moving, moving_static, both, both_static);
+}
+
+inline auto membersOf(DynamicTrial::JudgedCuboid& cuboid) {
+  auto& [x, y, bottom, top, source, called_static] = cuboid;
+  return std::tie(x, y, bottom, top, source, called_static);
+}
+
+inline auto membersOf(DynamicTrial::Result& result) {
+  auto& [seed, scene, period, height, speed, tally, phase, maps, simulated, cuboids] = result;
+  return std::tie(seed, scene, period, height, speed, tally, phase, maps, simulated, cuboids);
 }
 
 inline auto membersOf(GovernedTrial::Result& result) {

@@ -15,7 +15,7 @@ EXPERIMENTS = (
     ("hover", "--trials", "3", "--ghosts", "1"), ("occlusion", "--trials", "5"), ("visibility", "--poses", "3"),
     ("governed", "--minutes", "0.3", "--tilt-step-deg", "30"),
     ("false-stops", "--motions", "2", "--noises-m", "0.01,0.03", "--duration-s", "5", "--speeds", "0.1"),
-    ("small-objects", "--step-m", "0.3", "--phases", "1"))
+    ("dynamic", "--trials", "3", "--settle-s", "3", "--judge-s", "1"), ("small-objects", "--step-m", "0.3", "--phases", "1"))
 
 
 class SpreadTrialsTest(ClusterTest):
@@ -74,7 +74,7 @@ class SpreadTrialsTest(ClusterTest):
     def test_what_cannot_be_spread_is_refused_in_one_line(self):
         self.start_scheduler(self.folder)
         self.start_worker("one")
-        for arguments in (("dynamic", "--trials", "2"), ("updates",), ("stopping", "--ros"), ("stopping", "--speeds", "0")):
+        for arguments in (("updates",), ("stopping", "--ros"), ("stopping", "--speeds", "0")):
             with self.subTest(arguments):
                 done = self.call(*arguments, "--scheduler", self.address)
                 self.assertEqual(done.returncode, 2, done.stderr)
@@ -96,14 +96,18 @@ class SpreadTrialsTest(ClusterTest):
             (parts / "part_1").write_bytes(damage(whole))
             self.assert_refused("occlusion", "--trials", "3", "--join", parts)
             (parts / "part_1").write_bytes(whole)
+        whole = (parts / "part_1").read_bytes()
+        (parts / "part_1").write_bytes(bytes([whole[0] ^ 1]) + whole[1:])
+        self.assert_refused("occlusion", "--trials", "3", "--join", parts, says="another build")
         (parts / "part_1").unlink()
         self.assert_refused("occlusion", "--trials", "3", "--join", parts)
         for part in ("2/2", "x", "0/0", "0/2x", "-1/2"):
             self.assert_refused("occlusion", "--trials", "3", "--part", part)
 
-    def assert_refused(self, *arguments):
+    def assert_refused(self, *arguments, says="trials: "):
         done = self.call(*arguments, out="none")
         self.assertEqual((done.returncode, len(done.stderr.splitlines())), (2, 1), (arguments, done.stderr))
+        self.assertIn(says, done.stderr)
         self.assertFalse((self.folder / "none" / "results.csv").exists(), arguments)
 
 
