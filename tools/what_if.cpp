@@ -164,6 +164,27 @@ Kind kindOf(const ComparedStop& before, const ComparedStop& after) {
   return is_same ? Kind::kSame : Kind::kMoved;
 }
 
+struct Overlap {
+  double shared_s = 0.0;
+  std::size_t before = 0, after = 0;
+};
+
+/// All that there are, the longest first. As scripts/evaluations/baseline.py pairs them.
+std::vector<Overlap> overlapsOf(const std::vector<ComparedStop>& before,
+                                const std::vector<ComparedStop>& after) {
+  std::vector<Overlap> overlaps;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    for (std::size_t j = 0; j < after.size(); ++j) {
+      const double shared_s =
+          std::min(before[i].to_s, after[j].to_s) - std::max(before[i].from_s, after[j].from_s);
+      if (shared_s >= 0.0) overlaps.push_back({shared_s, i, j});
+    }
+  }
+  std::stable_sort(overlaps.begin(), overlaps.end(),
+                   [](const Overlap& a, const Overlap& b) { return a.shared_s > b.shared_s; });
+  return overlaps;
+}
+
 /// Writes and draws it. @throws InputError
 void conclude(const WhatIf& what_if, const std::string& file, const Json& json) {
   const auto path = (std::filesystem::path(what_if.out) / (file + ".json")).string();
@@ -218,18 +239,21 @@ Json jsonOf(const Run& run) {
 
 std::vector<StopChange> compareStops(const std::vector<ComparedStop>& before,
                                      const std::vector<ComparedStop>& after) {
-  std::vector<StopChange> changes;
+  std::vector<std::optional<std::size_t>> belongs_to(before.size());
   std::vector<bool> taken(after.size(), false);
-  for (const ComparedStop& stop : before) {
-    StopChange change{Kind::kGone, stop, {}};
-    for (std::size_t i = 0; i < after.size(); ++i) {
-      const bool overlaps = after[i].from_s <= stop.to_s && stop.from_s <= after[i].to_s;
-      if (taken[i] || !overlaps) continue;
-      taken[i] = true;
-      change = {kindOf(stop, after[i]), stop, after[i]};
-      break;
+  for (const Overlap& overlap : overlapsOf(before, after)) {
+    if (belongs_to[overlap.before] || taken[overlap.after]) continue;
+    belongs_to[overlap.before] = overlap.after;
+    taken[overlap.after] = true;
+  }
+  std::vector<StopChange> changes;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (!belongs_to[i]) {
+      changes.push_back({Kind::kGone, before[i], {}});
+    } else {
+      const ComparedStop& other = after[*belongs_to[i]];
+      changes.push_back({kindOf(before[i], other), before[i], other});
     }
-    changes.push_back(change);
   }
   for (std::size_t i = 0; i < after.size(); ++i) {
     if (!taken[i]) changes.push_back({Kind::kCome, {}, after[i]});

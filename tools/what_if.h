@@ -31,8 +31,8 @@ struct StopChange {
   Kind kind = Kind::kSame;
   std::optional<ComparedStop> before, after;
 };
-/// Stops belong to each other where they overlap, each to one at most, the earliest first. Within a
-/// millisecond they are the same.
+/// Stops belong to each other where they overlap, each to one at most: those first that overlap
+/// most, of equals the earlier. Within a millisecond they are the same.
 [[nodiscard]] std::vector<StopChange> compareStops(const std::vector<ComparedStop>& before,
                                                    const std::vector<ComparedStop>& after);
 
