@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "ros/conversions.h"
 #include "simulation/messages.h"
 #include "tools/program.h"
 

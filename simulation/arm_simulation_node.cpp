@@ -75,15 +75,10 @@ class ArmSimulationNode {
     arm_.takeBoxes();
     publishMarkers();
   }
-  /// What was drawn before goes.
   void publishMarkers() const {
-    visualization_msgs::MarkerArray message;
-    message.markers.emplace_back();
-    message.markers.back().action = visualization_msgs::Marker::DELETEALL;
     auto scene = sceneMarkers(arm_.world(), arm_.mount().link, arm_.now());
     for (visualization_msgs::Marker& box : scene.markers) box.color.a = kBoxAlpha;
-    message.markers.insert(message.markers.end(), scene.markers.begin(), scene.markers.end());
-    markers_.publish(message);
+    markers_.publish(scene);
   }
 
   ros::NodeHandle node_;

@@ -4,6 +4,8 @@
 #include <cstring>
 #include <utility>
 
+#include "ros/conversions.h"
+
 namespace tccm::simulation {
 namespace {
 
@@ -96,10 +98,6 @@ struct Draw {
 };
 
 }  // namespace
-
-ros::Time toRos(Time stamp) {
-  return ros::Time().fromNSec(static_cast<std::uint64_t>(stamp.time_since_epoch().count()));
-}
 
 ArmCommand toCommand(const trajectory_msgs::JointTrajectory& message, Time now) {
   const ros::Time& stamp = message.header.stamp;
@@ -195,6 +193,8 @@ tf2_msgs::TFMessage transformMessage(const RobotModel& model, const RobotSample&
 visualization_msgs::MarkerArray sceneMarkers(const World& world, const std::string& frame,
                                              Time stamp) {
   visualization_msgs::MarkerArray message;
+  message.markers.emplace_back();
+  message.markers.back().action = Marker::DELETEALL;
   for (const SceneObject& object : world) {
     const std::optional<Pose> pose = object.poseAt(stamp);
     if (!pose || object.name == "floor") continue;

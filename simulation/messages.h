@@ -1,6 +1,5 @@
 #pragma once
 
-#include <ros/time.h>
 #include <sensor_msgs/JointState.h>
 #include <sensor_msgs/LaserScan.h>
 #include <sensor_msgs/PointCloud2.h>
@@ -11,8 +10,6 @@
 #include "simulation/simulator.h"
 
 namespace tccm::simulation {
-
-[[nodiscard]] ros::Time toRos(Time stamp);
 
 /// @param now where the trajectory starts if it has no stamp.
 [[nodiscard]] ArmCommand toCommand(const trajectory_msgs::JointTrajectory& message, Time now);
@@ -44,7 +41,7 @@ constexpr char kLidarTopic[] = "ouster/points";
 [[nodiscard]] tf2_msgs::TFMessage transformMessage(const RobotModel& model,
                                                    const RobotSample& sample);
 
-/// The scene as it is at an instant, transparent. @param frame the fixed frame
+/// The scene as it is at an instant, transparent, in place of what was drawn before. @param frame the fixed frame
 [[nodiscard]] visualization_msgs::MarkerArray sceneMarkers(const World& world,
                                                            const std::string& frame, Time stamp);
 

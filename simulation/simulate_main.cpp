@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "ros/conversions.h"
 #include "simulation/messages.h"
 #include "simulation/simulator.h"
 #include "tccm_monitor/config_error.h"

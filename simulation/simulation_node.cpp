@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "ros/controller_parameters.h"
+#include "ros/conversions.h"
 #include "ros/server_config.h"
 #include "simulation/controller_server.h"
 #include "simulation/live.h"
@@ -20,6 +21,16 @@
 
 namespace tccm::simulation {
 namespace {
+
+constexpr std::size_t kPutMax = 20;
+const Eigen::Vector3f kPutColour(0.90F, 0.75F, 0.25F);
+
+/// @throws ConfigError
+SceneObject boxOf(const visualization_msgs::Marker& marker) {
+  const Vector3 half = 0.5 * Vector3(marker.scale.x, marker.scale.y, marker.scale.z);
+  if (!half.allFinite() || !(half.minCoeff() > 0.0)) throw ConfigError("a box has no such size");
+  return {marker.ns, Box{half}, fromMessage(marker.pose, "a box"), kPutColour};
+}
 
 /// The simulated robot, live, at the pace of the wall clock. Arms that are commanded hear nobody's
 /// stop: who commands them has to obey it.
@@ -40,6 +51,7 @@ class SimulationNode {
     transforms_ = node.advertise<tf2_msgs::TFMessage>("/tf", 100);
     truth_ = node.advertise<std_msgs::String>("simulation/truth", 100, true);
     tilt_fault_ = node.subscribe("simulation/tilt_fault", 10, &SimulationNode::hearTiltFault, this);
+    put_ = node.subscribe("simulation/put", 10, &SimulationNode::hearPut, this);
     markers_ = node.advertise<visualization_msgs::MarkerArray>("simulation/scene_markers", 1, true);
     if (config.simulator.motion == kCommanded) {
       command_ = node.subscribe("command", 10, &SimulationNode::hearCommand, this,
@@ -106,6 +118,22 @@ class SimulationNode {
     }
   }
 
+  void hearPut(const visualization_msgs::MarkerArray& message) {
+    try {
+      World objects;
+      for (const visualization_msgs::Marker& box : message.markers) objects.push_back(boxOf(box));
+      if (objects.size() > kPutMax) throw ConfigError("too many boxes");
+      if (config_.simulator.obstacle != ObstacleKind::kNone) {
+        throw ConfigError("the parameter obstacle has to be none");
+      }
+      simulator_.put(objects);
+      has_put_ = !objects.empty();
+      markers_drawn_.reset();
+    } catch (const ConfigError& error) {
+      ROS_WARN("simulation/put: not taken: %s.", error.what());
+    }
+  }
+
   /// Silence means stop.
   [[nodiscard]] bool stopped() const {
     constexpr Duration kSilence = std::chrono::milliseconds(300);
@@ -138,9 +166,10 @@ class SimulationNode {
     truth_.publish(message);
   }
 
-  /// At 10 Hz.
+  /// At 10 Hz, at 100 Hz while something is put there.
   void publishDistance() {
-    if (++robot_samples_ % 10 == 0) publishTruth("hand", toJson(simulator_.truth().hand.back()));
+    if (++robot_samples_ % 10 == 0 || has_put_)
+      publishTruth("hand", toJson(simulator_.truth().hand.back()));
   }
 
   void publishEvent(const std::string& event, const std::optional<Time>& stamp,
@@ -176,6 +205,7 @@ class SimulationNode {
   std::optional<Time> markers_drawn_;
   std::size_t objects_drawn_ = 0;
   std::size_t robot_samples_ = 0;
+  bool has_put_ = false;
   Truth published_;
   ros::Publisher clock_;
   ros::Publisher scan_;
@@ -190,6 +220,7 @@ class SimulationNode {
   ros::Subscriber command_;
   ros::Subscriber tilt_fault_;
   ros::Subscriber slider_;
+  ros::Subscriber put_;
   std::deque<ControllerServer> controllers_;
 };
 
@@ -247,6 +278,7 @@ SimulationNode::Config load(const ros::NodeHandle& node) {
   node.param("publish_clock", config.publish_clock, config.publish_clock);
   requireInRange("duration_s", config.duration_s, 0.0, 1e6);
   s.seed = seedOf(node);
+  s.keeps_hand_samples = false;
   s.obstacle = obstacleKind(obstacle);
   s.purpose = obstaclePurpose(obstacle_for);
   s.sensors = sensorKinds(split(sensors));

@@ -329,17 +329,24 @@ void Simulator::addObstacle(double hand_travel_m) {
     entrance.offset = kBringWay * comesFrom(hand);
     entrance.speed_mps = config_.obstacle_speed_mps;
   }
-  first_obstacle_ = world_.size();
-  Body body;
-  for (SceneObject& part : obstacle) {
-    part.entrance = entrance;
-    body.shapes.push_back(part.shape);
-    body.poses.push_back(part.T_fixed_shape);
-    world_.push_back(part);
-  }
-  sampled_obstacle_ = SampledBody(body, kSpacing);
-  truth_.appeared = now_;
+  for (SceneObject& part : obstacle) part.entrance = entrance;
+  addObstacle(obstacle);
   truth_.in_place = entrance.arrives();
+}
+
+void Simulator::addObstacle(const World& obstacle) {
+  first_obstacle_ = world_.size();
+  world_.insert(world_.end(), obstacle.begin(), obstacle.end());
+  sampled_obstacle_ = SampledBody(bodyOf(obstacle), kSpacing);
+  truth_.appeared = truth_.in_place = now_;
+}
+
+void Simulator::put(const World& objects) {
+  if (first_obstacle_) {
+    world_.erase(world_.begin() + static_cast<std::ptrdiff_t>(*first_obstacle_), world_.end());
+    first_obstacle_.reset();
+  }
+  if (!objects.empty()) addObstacle(objects);
 }
 
 std::optional<SimulatedScan> Simulator::maybeFinishScan() {
@@ -395,6 +402,7 @@ void Simulator::recordTruth() {
     sample.obstacle_m = clearance(*sampled_hand_, *sampled_obstacle_);
     truth_.obstacle_min_m = std::min(truth_.obstacle_min_m.value_or(1e9), *sample.obstacle_m);
   }
+  if (!config_.keeps_hand_samples) truth_.hand.clear();
   truth_.hand.push_back(sample);
 }
 

@@ -75,6 +75,7 @@ class Simulator {
     BodyError body_error;
     double wander_length_m = 60.0;     ///< of the motion "wander" until it turns back
     double wander_clearance_m = 0.12;  ///< which "wander" keeps from the scene, see WanderConfig
+    bool keeps_hand_samples = true;    ///< false: Truth has the newest alone
 
     /// @throws ConfigError
     void validate() const;
@@ -106,6 +107,10 @@ class Simulator {
     for (ControlledArm& arm : commanded_->controlled()) arm.setSpeedScale(scale);
   }
 
+  /// From now on these are the obstacle, in their places at once, and what was put there before is
+  /// gone. @pre none is configured
+  void put(const World& objects);
+
   [[nodiscard]] Time now() const { return now_; }
   [[nodiscard]] const RobotModel& model() const { return *model_; }
   [[nodiscard]] const World& world() const { return world_; }
@@ -134,6 +139,7 @@ class Simulator {
   [[nodiscard]] World obstacleBefore(const HandState& hand) const;
   [[nodiscard]] Vector3 comesFrom(const HandState& hand) const;
   void addObstacle(double hand_travel_m);
+  void addObstacle(const World& obstacle);
   [[nodiscard]] std::optional<SimulatedScan> maybeFinishScan();
   void noteFirstBeam(const SimulatedScan& scan);
   void noteFirstBeam(const SimulatedCloud& cloud);
