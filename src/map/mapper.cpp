@@ -240,7 +240,7 @@ Mapper::Outcome Mapper::add(const ScanReturns& scan) {
   if (newest_ && scan.stamp <= *newest_) return {"out_of_order", {}};
   if (!newest_ || scan.stamp - *newest_ > fromSeconds(config_.scan_gap_max_s)) {
     unbroken_since_ = scan.stamp;
-    tilt_.reset();
+    tilt_.restart();
   }
   newest_ = scan.stamp;
   viewpoint_ = scan.viewpoint;
@@ -261,22 +261,23 @@ void Mapper::clear() {
   hold_.clear();
   self_share_.clear();
   appearances_.clear();
-  tilt_.reset();
+  tilt_.restart();
   last_period_.reset();
-  tilt_stopped_ = false;
   newest_.reset();
   last_expired_.reset();
 }
 
 void Mapper::followTilt(Time stamp, double tilt) {
   tilt_.add(stamp, tilt);
-  if (!tilt_.period()) return;
-  last_period_ = tilt_.period();
-  tilt_stopped_ = !tilt_.isAlive(stamp);
-  if (!tilt_stopped_) return;
-  // How long it stood is no period of the tilt. Whether it goes on is known after a whole one.
-  tilt_.reset();
-  unbroken_since_ = stamp;
+  if (tilt_.standsStill(stamp)) {
+    // How long it stood is no period of the tilt. Whether it goes on is known after a whole one.
+    tilt_stopped_ = true;
+    tilt_.reset();
+    unbroken_since_ = stamp;
+  } else if (tilt_.period()) {
+    last_period_ = tilt_.period();
+    tilt_stopped_ = false;
+  }
 }
 
 /// By looks alone: a scan has one for each return, a cloud one for each block of directions. The

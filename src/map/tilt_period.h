@@ -28,7 +28,15 @@ class TiltPeriod {
 
   /// @param tilt [rad], finite, at rising stamps.
   void add(Time stamp, double tilt);
+  /// The next tilt is that of a sensor of which nothing is known.
   void reset() { *this = TiltPeriod(config_); }
+  /// The next tilt comes after a gap: the period is measured anew, but what has tilted has to go
+  /// on.
+  void restart() {
+    const std::optional<Duration> patience = this->patience();
+    reset();
+    patience_before_ = patience;
+  }
 
   /// The longest of the last three periods between two highest and between two lowest points, so
   /// that one step back amid a stroke does not pass for a short period; nothing before the first
@@ -39,11 +47,12 @@ class TiltPeriod {
     return std::max(*upper, *lower);
   }
 
-  /// Whether the tilt goes on: it last turned not longer ago than its longest recent stroke and a
-  /// quarter of a period. False before the first full period.
-  [[nodiscard]] bool isAlive(Time now) const {
-    const auto whole = period(), stroke = stroke_.get();
-    return whole && stroke && now - *last_turn_ <= *stroke + *whole / 4;
+  /// Whether a tilt that was measured once stands still: it last turned, or was seen again, longer
+  /// ago than its longest recent stroke and a quarter of a period.
+  [[nodiscard]] bool standsStill(Time now) const {
+    const std::optional<Duration> longest = patience();
+    if (!longest || !begin_) return false;
+    return now - last_turn_.value_or(*begin_) > *longest;
   }
 
  private:
@@ -68,18 +77,26 @@ class TiltPeriod {
     std::optional<Time> turned = {};  ///< the last such turning point
     Longest period = {};
   };
+  /// How long it may go on without a turn; nothing where it was never measured.
+  [[nodiscard]] std::optional<Duration> patience() const {
+    const auto whole = period(), stroke = stroke_.get();
+    return whole && stroke ? *stroke + *whole / 4 : patience_before_;
+  }
   /// Whether the tilt came back from an extreme, and is on its way to the other now.
   bool turns(Extreme& from, Extreme& towards, Time stamp, double tilt);
 
   Config config_;
   Extreme highest_{1};
   Extreme lowest_{-1};
-  int direction_ = 0;  ///< 1 rising, -1 falling, 0 not known yet
+  int direction_ = 0;          ///< 1 rising, -1 falling, 0 not known yet
+  std::optional<Time> begin_;  ///< the first stamp
   std::optional<Time> last_turn_;
+  std::optional<Duration> patience_before_;  ///< that of before the gap
   Longest stroke_;
 };
 
 inline void TiltPeriod::add(Time stamp, double tilt) {
+  if (!begin_) begin_ = stamp;
   for (Extreme* extreme : {&highest_, &lowest_}) {
     const bool is_beyond = !extreme->tilt || extreme->sign * (tilt - *extreme->tilt) >= 0.0;
     if (!is_beyond) continue;

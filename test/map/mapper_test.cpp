@@ -6,31 +6,20 @@
 #include <limits>
 
 #include "support/small_map.h"
+#include "support/tilted_scans.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {
 
 using test::snapshotOf;
-
-constexpr double kScanPeriod = 0.025;  // [s]
-constexpr double kTiltPeriod = 2.0;    // [s]
+using test::tilted::kScanPeriod;
+using test::tilted::kTiltPeriod;
+using test::tilted::lastComplete;
+using test::tilted::scanAt;
+using test::tilted::tiltAt;
 
 Time at(double seconds) { return Time(fromSeconds(seconds)); }
-
-/// Up and down between -0.5 and 0.5 rad, evenly.
-double tiltAt(double stamp) {
-  const double phase = stamp / kTiltPeriod - std::floor(stamp / kTiltPeriod);
-  return phase < 0.5 ? 2.0 * phase - 0.5 : 1.5 - 2.0 * phase;
-}
-
-ScanReturns scanAt(double stamp, std::vector<Vector3> points = {}) {
-  ScanReturns scan;
-  scan.stamp = at(stamp);
-  scan.tilt = tiltAt(stamp);
-  scan.points = std::move(points);
-  return scan;
-}
 
 Mapper::Config smallMap() { return test::smallMapper(); }
 
@@ -120,30 +109,6 @@ TEST(MapperTest, ATiltThatStandsStillNeverMakesTheMapComplete) {
     mapper.add(scan);
     EXPECT_FALSE(isComplete(mapper));
   }
-}
-
-/// Scans from `first` to `last` at the tilt that `tilt` gives; the last stamp at which the map was
-/// complete.
-template <typename Tilt>
-double lastComplete(Mapper& mapper, double first, double last, Tilt&& tilt) {
-  double complete = -1.0;
-  for (int i = 0; first + i * kScanPeriod <= last; ++i) {
-    const double stamp = first + i * kScanPeriod;
-    ScanReturns scan = scanAt(stamp);
-    scan.tilt = tilt(stamp);
-    mapper.add(scan);
-    if (isComplete(mapper)) complete = stamp;
-  }
-  return complete;
-}
-
-TEST(MapperTest, ATiltThatStopsMakesTheMapIncompleteThoughScansKeepComing) {
-  Mapper mapper(smallMap());
-  EXPECT_GT(lastComplete(mapper, 0.0, 10.0, tiltAt), 9.97);
-  // The last turning point was at 10.0; strokes take 1 s.
-  const double frozen = lastComplete(mapper, 10.025, 30.0, [](double) { return 0.1; });
-  EXPECT_NEAR(frozen, 11.5, 0.15);
-  EXPECT_GT(lastComplete(mapper, 30.025, 40.0, tiltAt), 39.97) << "it recovers";
 }
 
 TEST(MapperTest, AWindowThatGrowsIsCompleteOnlyOnceItHoldsAPeriodAgain) {
