@@ -10,10 +10,9 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 import bad_maps
 from faults import AT_ONCE_S, Fault
+from robot import ANSWER_S, in_time
 from tccm_monitor.msg import CuboidMap, Primitive
 from tccm_monitor.srv import AddExemption, AttachObject, CheckTrajectory, DetachObject, GetCuboidMap, SetKeepOut
-
-ANSWER_S = 1.0
 
 
 class PlateNear(Fault):
@@ -210,14 +209,14 @@ class Tuned(Fault):
         self.values, self.limit = values, limit
 
     def update(self, values):
-        try:
-            self.client = Client("collision_checker", timeout=ANSWER_S)
-            self.before = self.client.get_configuration(timeout=ANSWER_S)
-            self.client.update_configuration(values)
-            self.client.close()
-            return True
-        except rospy.ROSException:  # the checker is gone, and has its own values again
-            return False
+        """@return whether it was taken."""
+        def tune():
+            client = Client("collision_checker", timeout=ANSWER_S)
+            try:
+                return client.update_configuration(values)
+            finally:
+                client.close()
+        return bool(in_time(tune))
 
     def begin(self, soak):
         self.defaults = soak.tuned
@@ -225,7 +224,8 @@ class Tuned(Fault):
 
     def end(self, soak):
         now = rospy.get_time()
-        self.update({name: self.defaults[name] for name in self.values})
+        while not self.update({name: self.defaults[name] for name in self.values}) and not soak.is_over():
+            rospy.sleep(0.1)  # else it would stay
         return now
 
 

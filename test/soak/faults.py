@@ -252,7 +252,8 @@ class TiltFault(Fault):
     lasts = (3.0, 5.0)
 
     def __init__(self, fault, limit):
-        super().__init__(f"tilt {fault}", "tilt")
+        # One whose mapper has just begun passes for a laser that does not tilt, where the window is set by seconds.
+        super().__init__(f"tilt {fault}", "tilt", "laser_mapper")
         self.fault, self.limit = fault, limit
         self.is_clear = False
 

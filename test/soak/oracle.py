@@ -106,8 +106,19 @@ def contacts(truths, samples, since):
 
 
 def stopped_after(permissions, begin):
-    """@return from the last sound message to the first permission that is none, or None."""
-    return next((one.stamp - begin for one in permissions if one.stamp >= begin and not one.permitted), None)
+    """@return from the last sound message to when nothing is permitted any more: by a permission that does not, or since
+    the last one has expired; None where that is never."""
+    valid_until = begin
+    for one in permissions:
+        if one.stamp < begin:
+            valid_until = max(valid_until, one.valid_until if one.permitted else begin)
+        elif not one.permitted:
+            return min(one.stamp, valid_until) - begin
+        elif one.stamp > valid_until:
+            return valid_until - begin
+        else:
+            valid_until = max(valid_until, one.valid_until)
+    return None
 
 
 def permitted_again(permissions, after):

@@ -67,6 +67,9 @@ class OracleTest(unittest.TestCase):
         said = permissions(0.0, 1.0) + permissions(1.0, 2.0, False) + permissions(2.0, 3.0)
         self.assertAlmostEqual(oracle.stopped_after(said, 0.9), 0.1)
         self.assertIsNone(oracle.stopped_after(said, 2.1))
+        silent = permissions(0.0, 1.0) + permissions(2.0, 3.0)  # the last is valid until 1.04
+        self.assertAlmostEqual(oracle.stopped_after(silent, 0.9), 0.14)
+        self.assertAlmostEqual(oracle.stopped_after(permissions(0.0, 1.0) + permissions(2.0, 3.0, False), 0.9), 0.14)
         self.assertAlmostEqual(oracle.permitted_again(said, 101.5), 102.0)
         self.assertIsNone(oracle.permitted_again(said, 103.5))
 

@@ -6,10 +6,12 @@ import sys
 import time
 
 import oracle
+import system
 
 MEMORY_KB = 1024  # that a process may grow by after its first minute
 LATENCY_TIMES = 1.2  # how much longer the last part's may be than the first's
 PART_S = 600.0
+STOPS_BYTES_MAX = system.STOPS_MEMORY_MB * 1e6
 
 
 class Tally:
@@ -84,13 +86,15 @@ def result(soak):
     is_steady = not latency or latency["part_s"] < PART_S or \
         latency["last_p99_s"] <= LATENCY_TIMES * latency["first_p99_s"]
     stops, others = tally.replayed
-    holds = not (tally.found or tally.crashes or hung or tally.stubborn or others) and is_steady and all(
+    holds = not (tally.found or tally.crashes or hung or tally.stubborn or others) and is_steady and \
+        soak.robot.stops_bytes <= STOPS_BYTES_MAX and all(
         row["grown_kb"] < MEMORY_KB for row in memory.values())
     return {"seed": soak.options.seed, "minutes": (time.monotonic() - soak.begun) / 60.0, "holds": holds,
             "episodes": tally.episodes, "faults": tally.faults, "had_to_stop": tally.spans, "found": tally.found,
             "crashes": tally.crashes, "hung_goals": hung, "would_not_end": tally.stubborn,
             "goals": {"done": soak.client.done, "failed": soak.client.failed}, "resets": soak.robot.resets,
-            "latency": latency, "memory": memory, "stops": {"replayed": stops, "another_verdict": others},
+            "latency": latency, "memory": memory, 
+            "stops": {"replayed": stops, "another_verdict": others, "memory_bytes_max": soak.robot.stops_bytes},
             "kinds": {name: row for name, row in sorted(tally.kinds.items())}}
 
 
@@ -112,7 +116,8 @@ def print_table(all_):
         print(f"latency  p99 from ready to permission: first {row['part_s']:.0f} s {1e3 * row['first_p99_s']:.2f} ms, "
               f"last {1e3 * row['last_p99_s']:.2f} ms, {row['scans']} scans")
     print(f"stops    {all_['stops']['replayed']} kept and replayed, of "
-          f"{len(all_['stops']['another_verdict'])} another verdict came")
+          f"{len(all_['stops']['another_verdict'])} another verdict came; at most "
+          f"{1e-6 * all_['stops']['memory_bytes_max']:.1f} MB were kept for the next")
     counts = collections.Counter(one["what"] for one in all_["found"])
     told = [f"{count} x {what}" for what, count in counts.items()]
     told += [f"{row['program']} ended with {row['status']}" for row in all_["crashes"]]

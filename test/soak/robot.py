@@ -10,6 +10,7 @@ import actionlib
 import rospy
 from actionlib_msgs.msg import GoalStatus
 from control_msgs.msg import FollowJointTrajectoryAction, FollowJointTrajectoryGoal
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Point
 from sensor_msgs.msg import JointState, LaserScan, PointCloud2
 from std_msgs.msg import String
@@ -23,7 +24,24 @@ from input_gate import Gate, nothing, raw_type
 from tccm_monitor.msg import MonitorStatus, MotionPermission
 
 SIDE = "right_arm"
+STOPS_BYTES = "kept for the next stop [bytes]"
+ANSWER_S = 1.0
 GOAL_HANGS_S = 20.0  # beyond what it should take at full speed
+
+
+def in_time(call):
+    """roscpp's services have no time limit. @return what it returns, or None where it fails or takes too long."""
+    answers = []
+
+    def run():
+        try:
+            answers.append(call())
+        except (rospy.ServiceException, rospy.exceptions.ROSException):
+            pass  # nobody is there
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    thread.join(ANSWER_S)
+    return answers[0] if answers else None
 
 
 class Kept:
@@ -54,7 +72,7 @@ class Robot:
         self.status, self.palm, self.positions = None, None, {}
         self.serial = None
         self.heard_at = 0.0  # the last permission that permits, by the machine's clock
-        self.resets = 0
+        self.resets, self.stops_bytes = 0, 0
         self.gates = {"joint_states": Gate("joint_states", JointState), "scan": Gate("scan", LaserScan),
                       "/tf": Gate("/tf", TFMessage)}
         if "camera" in sensors:
@@ -62,7 +80,8 @@ class Robot:
         for topic, kind, take in (("motion_permission", MotionPermission, self.take_permission),
                                   ("monitor_status", MonitorStatus, self.take_status),
                                   ("raw/joint_states", raw_type(JointState), self.take_joints),
-                                  ("simulation/truth", String, self.take_truth)):
+                                  ("simulation/truth", String, self.take_truth),
+                                  ("/diagnostics", DiagnosticArray, self.take_diagnostics)):
             rospy.Subscriber(topic, kind, take, queue_size=1000, tcp_nodelay=True)
         self.boxes = rospy.Publisher("simulation/put", MarkerArray, queue_size=10)
         self.reset = rospy.ServiceProxy("reset", Trigger)
@@ -88,6 +107,12 @@ class Robot:
         self.positions = dict(zip(message.name, message.position))
         speeds = [abs(v) for name, v in zip(message.name, message.velocity) if name.startswith("right_")]
         self.speeds.add((message.header.stamp.to_sec(), max(speeds, default=0.0)))
+
+    def take_diagnostics(self, message):
+        for status in message.status:
+            for pair in status.values:
+                if pair.key == STOPS_BYTES:
+                    self.stops_bytes = max(self.stops_bytes, int(pair.value))
 
     def take_truth(self, message):
         content = json.loads(message.data)
@@ -126,10 +151,8 @@ class Operator(threading.Thread):
         while not self.ends.wait(0.2):
             status = self.robot.status
             if status and status.reason == "AWAITING_RESET":
-                try:
-                    self.robot.resets += self.robot.reset().success
-                except (rospy.ServiceException, rospy.exceptions.ROSException):
-                    pass  # the checker is gone
+                answer = in_time(self.robot.reset)
+                self.robot.resets += bool(answer and answer.success)
 
 
 class Client(threading.Thread):
