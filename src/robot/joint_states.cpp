@@ -92,6 +92,9 @@ JointStates::Added JointStates::add(Time stamp, const std::vector<std::string>& 
                                     const std::string& publisher) {
   Added added;
   const Message message{stamp, names, positions, velocities, numberOf(publisher)};
+  // Before any of it is looked at: what is wrong with one joint is not forgotten for another's
+  // sake.
+  if (beginsAnew(message)) reset();
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (!fixed_.empty() && i < positions.size()) compareWithFixed(names[i], positions[i]);
     const auto found = index_.find(names[i]);
@@ -104,10 +107,20 @@ JointStates::Added JointStates::add(Time stamp, const std::vector<std::string>& 
   return added;
 }
 
+bool JointStates::beginsAnew(const Message& message) const {
+  const Duration gap_max = fromSeconds(config_.gap_max_s);
+  if (!last_message_ || *last_message_ - message.stamp <= gap_max) return false;
+  return std::any_of(message.names.begin(), message.names.end(), [&](const std::string& name) {
+    const auto found = index_.find(name);
+    if (found == index_.end()) return false;
+    const JointTrack& track = tracks_[found->second];
+    return track.size() > 0 && track.newest(0).stamp - message.stamp > gap_max;
+  });
+}
+
 bool JointStates::addJoint(const Message& message, std::size_t i, std::size_t joint) {
   JointTrack& track = tracks_[joint];
   const Time stamp = message.stamp;
-  if (track.size() > 0 && track.newest(0).stamp - stamp > fromSeconds(config_.gap_max_s)) reset();
   if (i >= message.positions.size() || !std::isfinite(message.positions[i])) return false;
   const double position = message.positions[i];
   const JointRule& rule = rules_[joint];

@@ -101,6 +101,8 @@ class JointStates {
     std::uint8_t publisher;
   };
   [[nodiscard]] std::uint8_t numberOf(const std::string& publisher);
+  /// Whether its stamp lies so far before what is known of one of its joints.
+  [[nodiscard]] bool beginsAnew(const Message& message) const;
   /// @return whether it was taken.
   bool addJoint(const Message& message, std::size_t i, std::size_t joint);
   void noteLimits(std::size_t joint, double position);

@@ -277,6 +277,18 @@ TEST_F(JointDoubtsTest, ADoubtIsForgottenTwoSecondsAfterItsCause) {
   EXPECT_TRUE(joints_->at(at(3.05), positions));
 }
 
+TEST_F(JointDoubtsTest, WhatIsWrongInAMessageIsSaidAlsoWhereTimeBeginsAnewWithIt) {
+  for (const double wrong : {90.0, 1.0}) {
+    // That the elbow's time begins anew shows after the shoulder was twice, or far beyond its
+    // limit.
+    remake();
+    add(1.0, {"elbow"}, {0.0});
+    add(10.0, {"elbow"}, {0.0});
+    add(2.0, {"shoulder", "shoulder", "elbow"}, {0.0, wrong, 0.0});
+    EXPECT_TRUE(isDoubted()) << wrong;
+  }
+}
+
 TEST_F(JointDoubtsTest, WhereReportedAndDifferentiatedVelocitiesDifferInDirectionBothAreGiven) {
   Random random(12);
   for (int i = 0; i < kMembers; ++i) {
