@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::size_t kPathPointsMax = 1U << 16U;
 constexpr double kLimitTolerance = 0.01;  // [rad or m]
+constexpr double kNearestPoints = 1e-12;  // [s]; splines between nearer ones have no coefficients
 
 bool allFinite(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(),
@@ -59,7 +60,8 @@ std::string defectOfPoint(const JointTrajectory& trajectory, std::size_t i, cons
                          v < measured.size() ? std::optional(measured[v]) : std::nullopt);
     if (!defect.empty()) return "has " + defect;
   }
-  const bool rises = i == 0 || point.time_s > trajectory.points[i - 1].time_s;
+  const double before_s = i == 0 ? 0.0 : trajectory.points[i - 1].time_s;
+  const bool rises = point.time_s - before_s >= kNearestPoints || (i == 0 && point.time_s == 0.0);
   return rises ? "" : "is not after the one before it";
 }
 

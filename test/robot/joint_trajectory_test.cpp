@@ -141,6 +141,26 @@ TEST_F(JointTrajectoryTest, TimesThatDoNotRiseOrLieBeforeTheStartAreNamed) {
   EXPECT_TRUE(test::names(timed(-0.1, 0.4), "point 0"));
 }
 
+TEST_F(JointTrajectoryTest, TimesTooNearToEachOtherForASplineAreNamed) {
+  for (const double tiny : {5e-324, 1e-200, 1e-100, 1e-13}) {
+    JointTrajectory trajectory = good();
+    trajectory.points[1].time_s = tiny;
+    EXPECT_TRUE(test::names(defect(trajectory), "point 1")) << tiny;
+    trajectory.points[0].time_s = tiny;
+    trajectory.points[1].time_s = 1.0;
+    EXPECT_TRUE(test::names(defect(trajectory), "point 0")) << tiny;
+  }
+  for (const double tiny : {1e-12, 1e-9}) {
+    JointTrajectory trajectory = good();
+    trajectory.points[1].time_s = tiny;
+    ASSERT_EQ(defect(trajectory), "");
+    JointPath path(model_->variables().size());
+    ASSERT_TRUE(makePath(trajectory, *model_, from_, 1e-3, path));
+    EXPECT_EQ(path.end(), tiny);
+    EXPECT_EQ(at(path, "lift", tiny), 0.3) << "the last point is not left out";
+  }
+}
+
 TEST_F(JointTrajectoryTest, VariablesComeInTheOrderOfItsNames) {
   for (const JointTrajectory& trajectory :
        {JointTrajectory{{"spin", "turn", "lift"}, {}}, JointTrajectory{{"lift", "spin"}, {}}}) {
