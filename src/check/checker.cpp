@@ -189,6 +189,11 @@ void Checker::Parts::judge(Time now, const JointSnapshot& joints) {
   judges.governed_speed.judge(situation, findings.causes);
   verdict.approached = judges.approach.judge(situation, findings.causes);
 
+  // What was not looked along to its end is not known to be free.
+  const auto isTooLong = [](const Cause& cause) { return cause.reason == Reason::kCheckLate; };
+  if (std::any_of(findings.causes.begin(), findings.causes.end(), isTooLong)) {
+    verdict.known = findings.known = false;
+  }
   findings.touching = std::max(contacts.touching, keep_out.touching, isMilder);
   verdict.collision = contacts.touches;
   verdict.keep_out = keep_out.touches;

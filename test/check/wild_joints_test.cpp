@@ -92,6 +92,22 @@ TEST(WildJointsTest, NoCheckTakesLongerThanItsLimitJustBelowTheSpeedsThatAreBeli
   EXPECT_LT(noted("check_us", longest), kCheckMax);
 }
 
+TEST(WildJointsTest, OfAWayThatIsTooLongToBeLookedAlongItIsNotKnownThatItIsFree) {
+  Random random(9);
+  WildChecker wild(unlimitedModel());
+  int late = 0;
+  for (int i = 0; i < 300; ++i) {
+    wild.feedSomeWild(random);
+    const Verdict& verdict = wild.checker.check(wild.now);
+    const auto& reasons = verdict.reasons;
+    if (std::find(reasons.begin(), reasons.end(), Reason::kCheckLate) == reasons.end()) continue;
+    ++late;
+    EXPECT_FALSE(verdict.known) << verdict.detail;
+    EXPECT_TRUE(verdict.stop);
+  }
+  EXPECT_GT(late, 10);
+}
+
 JointTrajectory wildTrajectory(const WildChecker& wild, Random& random) {
   JointTrajectory trajectory;
   trajectory.names = wild.names;
