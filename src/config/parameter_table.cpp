@@ -71,8 +71,11 @@ struct Text {
   std::string operator()(const std::optional<double>* value) const {
     return *value ? (*this)(&**value) : "~";
   }
+  /// In quotes where it would be something else without.
   std::string operator()(const std::string* value) const {
-    return value->empty() ? "\"\"" : *value;
+    YAML::Emitter emitter;
+    emitter << *value;
+    return emitter.c_str();
   }
 };
 

@@ -194,6 +194,20 @@ TEST(ParameterTableTest, DefaultsReadBackAreTheSame) {
   EXPECT_EQ(node["whole"].as<std::string>(), "2.0");
 }
 
+TEST(ParameterTableTest, ATextReadBackIsTheSame) {
+  for (const char* const text : {"base_link", "", "a: b", "run #3", "- a", "[a", "*a", "'", "\"",
+                                 " a ", "a\nb", "~", "/data/stops", "!a", "%a", "@a", "{}"}) {
+    std::string value = text, read;
+    ParameterTable table, reader;
+    table.add("key", &value, "a text");
+    reader.add("key", &read, "a text");
+    reader.load(YAML::Load("a:\n" + table.yaml())["a"], "a_nodelet");
+    EXPECT_EQ(read, value) << table.yaml();
+    reader.load(YAML::Load("key: " + textOf(&value) + "\n"), "a_nodelet");
+    EXPECT_EQ(read, value) << "as a stop's parameters are written";
+  }
+}
+
 TEST(ParameterTableTest, ANumberInAMapHasToBeFinite) {
   for (const char* const bad : {".nan", ".inf", "-.inf"}) {
     std::map<std::string, double> values;
