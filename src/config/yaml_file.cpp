@@ -6,6 +6,7 @@
 #include <iterator>
 #include <map>
 #include <sstream>
+#include <string_view>
 #include <vector>
 
 #include "tccm_monitor/config_error.h"
@@ -141,7 +142,30 @@ void requireNoTab(const std::string& text, const std::string& name) {
 
 }  // namespace
 
+// Nested blocks on one line begin with its indicators, on several lines each is indented by one
+// column at least; flow style nests by brackets.
+bool isNestedDeeply(const std::string& text) {
+  constexpr int kNestingMax = 100;
+  constexpr int kIndentationMax = 1000;
+  int brackets = 0;
+  int indicators = 0;
+  int column = 0;
+  bool line_begins = true;
+  for (const char c : text) {
+    if (c == '\n') column = indicators = 0;
+    line_begins =
+        c == '\n' || (line_begins && std::string_view(" \t-?:").find(c) != std::string_view::npos);
+    if (line_begins && c != '\n') ++column;
+    if (line_begins && (c == '-' || c == '?' || c == ':')) ++indicators;
+    if (c == '[' || c == '{') ++brackets;
+    if ((c == ']' || c == '}') && brackets > 0) --brackets;
+    if (brackets > kNestingMax || indicators > kNestingMax || column > kIndentationMax) return true;
+  }
+  return false;
+}
+
 void requireUnambiguous(const std::string& text, const std::string& name) {
+  if (isNestedDeeply(text)) throw ConfigError(name + ": its lists are nested too deeply");
   requireNoTab(text, name);
   try {
     std::istringstream stream(text);

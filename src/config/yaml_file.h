@@ -15,6 +15,10 @@ namespace tccm {
 /// The same of a text. @param name stands for it in errors. @throws ConfigError
 void requireUnambiguous(const std::string& text, const std::string& name);
 
+/// Older versions of yaml-cpp overflow the stack on deep nesting: such a text is to be refused
+/// beforehand.
+[[nodiscard]] bool isNestedDeeply(const std::string& text);
+
 /// "line 3: ", for errors; empty of what stands in no text, such as parameters of the server.
 [[nodiscard]] std::string lineText(const YAML::Node& node);
 

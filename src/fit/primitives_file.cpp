@@ -9,6 +9,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "config/yaml_file.h"
 #include "mesh/text.h"
 #include "tccm_monitor/config_error.h"
 
@@ -34,28 +35,6 @@ struct Element {
     throw ConfigError(owner + ": " + why + line());
   }
 };
-
-/// Older versions of yaml-cpp overflow the stack on deep nesting: it is refused beforehand. Nested
-/// blocks on one line begin with its indicators, on several lines each is indented by one column at
-/// least; flow style nests by brackets.
-bool isNestedDeeply(const std::string& text) {
-  constexpr int kNestingMax = 100;
-  constexpr int kIndentationMax = 1000;
-  int brackets = 0;
-  int indicators = 0;
-  int column = 0;
-  bool line_begins = true;
-  for (const char c : text) {
-    if (c == '\n') column = indicators = 0;
-    line_begins = c == '\n' || (line_begins && std::string_view(" \t-?:").find(c) != kNone);
-    if (line_begins && c != '\n') ++column;
-    if (line_begins && (c == '-' || c == '?' || c == ':')) ++indicators;
-    if (c == '[' || c == '{') ++brackets;
-    if ((c == ']' || c == '}') && brackets > 0) --brackets;
-    if (brackets > kNestingMax || indicators > kNestingMax || column > kIndentationMax) return true;
-  }
-  return false;
-}
 
 /// Follows a text's structure and keeps nothing.
 class Ignore : public YAML::EventHandler {

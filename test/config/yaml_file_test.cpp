@@ -169,6 +169,16 @@ TEST(YamlFileTest, WhatIsNoYamlOrTwoDocumentsIsRefusedWithItsLine) {
   EXPECT_TRUE(names(errorOf("a: 1\n? {b: 1}\n: 2\n"), "line 2"));
 }
 
+TEST(YamlFileTest, DeepNestingIsRefusedBeforeAParserOverflowsItsStackOverIt) {
+  for (const char* const nest : {"[", "{a: ", "- ", "? "}) {
+    std::string deep = "a: ";
+    if (nest[0] == '-' || nest[0] == '?') deep.clear();
+    for (int i = 0; i < 100000; ++i) deep += nest;
+    EXPECT_TRUE(names(errorOf(deep), "nested too deeply")) << nest;
+  }
+  EXPECT_EQ(errorOf("a: " + std::string(50, '[') + std::string(50, ']')), "");
+}
+
 TEST(YamlFileTest, AFileThatCannotBeReadIsRefusedByName) {
   EXPECT_TRUE(names(test::errorOf([] { (void)loadYamlFile("/nowhere/robot.yaml"); }),
                     "/nowhere/robot.yaml"));
