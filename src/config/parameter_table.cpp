@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <sstream>
 
+#include "base/one_line.h"
 #include "config/yaml_file.h"
 #include "tccm_monitor/config_error.h"
 
@@ -96,8 +97,8 @@ ParameterTable::Names ParameterTable::load(const YAML::Node& node, const std::st
   if (!node || node.IsNull()) return unknown;
   if (!node.IsMap()) throw ConfigError(owner + ": its parameters are no map of keys and values");
   const auto refuse = [&](const std::string& key, const YAML::Node& value, const char* type) {
-    throw ConfigError(lineText(value) + owner + "/" + key + ": " + flowText(value) + " is not " +
-                      type);
+    throw ConfigError(oneLine(lineText(value) + owner + "/" + key + ": " + flowText(value)) +
+                      " is not " + type);
   };
   for (const Row& row : rows_) {
     const YAML::Node value = node[row.key];
@@ -110,7 +111,7 @@ ParameterTable::Names ParameterTable::load(const YAML::Node& node, const std::st
     try {
       std::visit(RequireRange{row}, row.member);
     } catch (const ConfigError& error) {
-      throw ConfigError(lineText(value) + owner + "/" + error.what());
+      throw ConfigError(oneLine(lineText(value) + owner + "/" + error.what()));
     }
   }
   for (const List& list : lists_) {
@@ -122,7 +123,7 @@ ParameterTable::Names ParameterTable::load(const YAML::Node& node, const std::st
       const std::string entry = owner + "/" + list.key + "[" + std::to_string(i) + "]";
       const Names slips = tables[i].load(value[i], entry);
       if (!slips.empty()) {
-        throw ConfigError(lineText(value[i]) + entry + "/" + slips.front() +
+        throw ConfigError(oneLine(lineText(value[i]) + entry + "/" + slips.front()) +
                           ": there is no such parameter");
       }
     }

@@ -207,11 +207,11 @@ RobotModel RobotModel::holding(const std::vector<AttachedObject>& objects) const
                objects.back().name.c_str(), objects.size(), kObjectsMax));
   }
   for (const AttachedObject& object : objects) {
-    const std::string owner = "object '" + object.name + "'";
+    const std::string owner = "object '" + printable(object.name) + "'";
     if (object.name.empty()) throw ConfigError(owner + ": it needs a name");
     const auto link = std::find(tree_.links.begin(), tree_.links.end(), object.link);
     if (link == tree_.links.end()) {
-      throw ConfigError(owner + ": link '" + object.link +
+      throw ConfigError(owner + ": link '" + printable(object.link) +
                         "' is neither monitored nor on the way to a link that is");
     }
     validate(object.primitive.shape, owner);

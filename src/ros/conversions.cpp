@@ -8,6 +8,7 @@
 #include <cstring>
 #include <limits>
 
+#include "base/one_line.h"
 #include "scan/scan_stage.h"
 #include "tccm_monitor/config_error.h"
 
@@ -178,7 +179,7 @@ PlacedShape fromMessage(const tccm_monitor::Primitive& message, const std::strin
   } else if (message.shape == "capsule") {
     primitive.shape = Capsule{message.radius, half_length};
   } else if (message.shape != "sphere") {
-    throw ConfigError(owner + ": shape '" + message.shape +
+    throw ConfigError(oneLine(owner + ": shape '" + message.shape) +
                       "' is none of box, cylinder, capsule, sphere");
   }
   return primitive;
@@ -204,7 +205,7 @@ tccm_monitor::Primitive toMessage(const PlacedShape& primitive) {
 
 AttachedObject fromMessage(const tccm_monitor::AttachedObject& message) {
   return {message.name, message.link,
-          fromMessage(message.primitive, "object '" + message.name + "'")};
+          fromMessage(message.primitive, oneLine("object '" + message.name + "'"))};
 }
 
 void fromMessage(const tccm_monitor::ScanReport& message, ScanReport& report) {

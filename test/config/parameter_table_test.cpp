@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>
 
+#include <cctype>
 #include <functional>
 #include <limits>
 
@@ -205,6 +206,15 @@ TEST(ParameterTableTest, ATextReadBackIsTheSame) {
     EXPECT_EQ(read, value) << table.yaml();
     reader.load(YAML::Load("key: " + textOf(&value) + "\n"), "a_nodelet");
     EXPECT_EQ(read, value) << "as a stop's parameters are written";
+  }
+}
+
+TEST(ParameterTableTest, WhatIsRefusedIsToldInOneLineWhateverItSays) {
+  for (const std::string& value : {std::string("\"a\\nb\\tc\\x7f\""), std::string(5000, 'a')}) {
+    const std::string error = errorOf([&] { readOne("key: " + value, 0.5); });
+    EXPECT_NE(error.find("is not a number"), std::string::npos) << error;
+    EXPECT_LT(error.size(), 1100U);
+    for (const char c : error) EXPECT_FALSE(std::iscntrl(static_cast<unsigned char>(c))) << error;
   }
 }
 

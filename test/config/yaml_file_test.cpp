@@ -179,6 +179,11 @@ TEST(YamlFileTest, DeepNestingIsRefusedBeforeAParserOverflowsItsStackOverIt) {
   EXPECT_EQ(errorOf("a: " + std::string(50, '[') + std::string(50, ']')), "");
 }
 
+TEST(YamlFileTest, WhatIsRefusedIsToldInOneLineWhateverAKeyIsCalled) {
+  const std::string error = errorOf("\"a\\nb\": 1\n\"a\\nb\": 2\n");
+  EXPECT_TRUE(names(error, "'a b' is given twice")) << error;
+}
+
 TEST(YamlFileTest, AFileThatCannotBeReadIsRefusedByName) {
   EXPECT_TRUE(names(test::errorOf([] { (void)loadYamlFile("/nowhere/robot.yaml"); }),
                     "/nowhere/robot.yaml"));

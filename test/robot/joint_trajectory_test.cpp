@@ -161,6 +161,14 @@ TEST_F(JointTrajectoryTest, TimesTooNearToEachOtherForASplineAreNamed) {
   }
 }
 
+TEST_F(JointTrajectoryTest, ADefectIsToldInOneLineWhateverAJointIsCalled) {
+  JointTrajectory trajectory = good();
+  trajectory.names[1] = "a\nb";
+  EXPECT_EQ(defect(trajectory), "joint 'a b' is not one of the robot's");
+  trajectory.names = {"a\nb", "a\nb"};
+  EXPECT_EQ(defect(trajectory).find('\n'), std::string::npos);
+}
+
 TEST_F(JointTrajectoryTest, VariablesComeInTheOrderOfItsNames) {
   for (const JointTrajectory& trajectory :
        {JointTrajectory{{"spin", "turn", "lift"}, {}}, JointTrajectory{{"lift", "spin"}, {}}}) {
