@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "base/line_of.h"
@@ -38,6 +39,7 @@ std::string defectOfAngles(const LaserScan& scan) {
   if (beams == 1 && step == 0.0) return {};
   if (step == 0.0) return "angle_increment is 0: all beams would go one way";
   const double end = begin + static_cast<double>(beams - 1) * step;
+  if (!std::isfinite(end)) return "the angle of its last beam is not finite";
   if (!scan.angle_max || std::abs(said - end) <= 1.01 * std::abs(step) + kRounding) return {};
   return lineOf(
       "angle_min %.4f rad and %zu beams, angle_increment %.6f rad apart, end at %.4f rad, but "
@@ -84,8 +86,10 @@ std::string defectOf(const LaserScan& scan, std::size_t max_beams) {
   }
   std::string angles = defectOfAngles(scan);
   if (!angles.empty()) return angles;
+  // Ranges are floats.
+  constexpr double kRangeMost = std::numeric_limits<float>::max();
   if (!(scan.range_min >= 0.0) || !(scan.range_max > scan.range_min) ||
-      !std::isfinite(scan.range_max)) {
+      !(scan.range_max <= kRangeMost)) {
     return lineOf("range_min %.3g and range_max %.3g m contradict each other", scan.range_min,
                   scan.range_max);
   }

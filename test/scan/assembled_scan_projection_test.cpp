@@ -264,6 +264,16 @@ TEST(DefectTest, RangeLimitsThatContradictOrAreNotFiniteAreNamed) {
   }
 }
 
+TEST(DefectTest, WhatNoFloatHoldsIsNoRangeAndNoAngle) {
+  expectDefect(&LaserScan::range_max, 1e39, "range_max");
+  LaserScan scan = scanOf({1.0F, 1.0F, 1.0F});
+  scan.angle_increment = 1e308;
+  EXPECT_NE(defectOf(scan, 10).find("last beam"), std::string::npos) << defectOf(scan, 10);
+  scan.angle_increment = 0.01;
+  scan.range_max = static_cast<double>(std::numeric_limits<float>::max());
+  EXPECT_EQ(defectOf(scan, 10), "");
+}
+
 TEST(DefectTest, ANegativeTimeIncrementIsNamed) {
   EXPECT_NE(defectOf(scanOf({1.0F}, -0.001), 10).find("time_increment"), std::string::npos);
 }
