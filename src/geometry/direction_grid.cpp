@@ -39,11 +39,19 @@ DirectionGrid::DirectionGrid(double resolution)
     const double middle = (column + 0.5) * resolution_ - kPi;
     column_middles_.emplace_back(std::cos(middle), std::sin(middle));
   }
+  // From bin to bin as directions are looked up: with the arc tangent of each, nearly all of the
+  // time that it takes to make a checker or a map would go into that.
+  std::size_t row = 0, column = 0;
   for (int bin = 0; bin < kBins; ++bin) {
     const Eigen::Vector2d slope = squareDirection(std::max(-1.0, binStart(bin, -1.0)));
-    bin_rows_.push_back(rowOf(std::atan2(slope.y(), slope.x())));
+    while (row + 1 < row_borders_.size() && slope.y() >= slope.x() * row_borders_[row + 1]) ++row;
+    bin_rows_.push_back(static_cast<int>(row));
     const Eigen::Vector2d level = squareDirection(std::max(-2.0, binStart(bin, -2.0)));
-    bin_columns_.push_back(columnOf(bin == 0 ? -kPi : std::atan2(level.y(), level.x())));
+    while (column + 1 < column_borders_.size() &&
+           directions::cross(column_borders_[column + 1], level) >= 0.0) {
+      ++column;
+    }
+    bin_columns_.push_back(static_cast<int>(column));
   }
 }
 
