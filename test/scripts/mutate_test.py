@@ -118,7 +118,8 @@ class ListTest(RepositoryTest):
         for asked, names in (([], [ABOVE, BELOW]), (["check"], [ABOVE, BELOW]), (["BELOW"], [BELOW]),
                              ([BELOW["name"], "above"], [ABOVE, BELOW])):
             status, said, _errors = self.run_on_it("--list", *asked)
-            self.assertEqual((status, said), (0, "".join(f"check: {one['name']} (check_limit_test)\n" for one in names)))
+            listed = "".join(f"check: {one['name']} (check_limit_test)\n" for one in names)
+            self.assertEqual((status, said), (0, listed))
         status, _said, errors = self.run_on_it("gate")
         self.assertEqual((status, errors), (2, "mutate: gate: no mutation has that in its name; rooms are check\n"))
 
@@ -194,7 +195,8 @@ class SuiteTest(unittest.TestCase):
         other = suite.test_of(dict(entry, name="_ctest_tccm_monitor_gtest_monitor_test"), {"check"})
         self.assertEqual((other.name, other.room), ("monitor_test", "monitor"))
         self.assertIsNone(suite.test_of(dict(entry, name="_ctest_tccm_monitor_pytest_x_test"), {"check"}))
-        self.assertEqual(suite.test_of(dict(entry, name="_ctest_tccm_monitor_rostest_start.test"), set()).kind, "rostest")
+        rostest = suite.test_of(dict(entry, name="_ctest_tccm_monitor_rostest_start.test"), {"check"})
+        self.assertEqual(rostest.kind, "rostest")
 
     def test_one_that_hangs_is_ended_with_all_that_it_started(self):
         with tempfile.TemporaryDirectory() as folder:
