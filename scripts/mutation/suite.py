@@ -22,10 +22,10 @@ ABOVE = {
     "geometry": ("robot", "sight", "scan", "map", "check", ROOT),
     "robot": ("scan", "check", "gate", ROOT, "simulation"),
     "sight": ("scan", "map", "check", ROOT, "simulation"),
-    "scan": (ROOT, "ros", "simulation"),
+    "scan": (ROOT, "simulation"),
     "map": ("check", ROOT, "simulation"),
-    "check": (ROOT, "ros", "simulation"),
-    "gate": ("ros", "nodelets", "simulation"),
+    "check": (ROOT, "simulation"),
+    "gate": ("simulation",),
     "ros": ("nodelets",),
     "nodelets": (),
 }

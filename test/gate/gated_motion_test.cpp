@@ -307,6 +307,14 @@ TEST_F(GatedMotionTest, AnArmThatIsNowhereIsBeyondEveryTolerance) {
   EXPECT_TRUE(endedOnceWith(End::kOffPath));
 }
 
+TEST_F(GatedMotionTest, AnArmThatIsNowhereDoesNotFollowWhateverTheTolerances) {
+  setOff();
+  run(1.0);
+  off_ = std::nan("");
+  run(kCycle);
+  EXPECT_TRUE(endedOnceWith(End::kOffPath));
+}
+
 /// An arm that does what it is planned to, and a way that is straight, or curved.
 class PlannedMotionTest : public GatedMotionTest {
  protected:

@@ -89,20 +89,23 @@ TEST(GoalRulesTest, WherePartsAreAllowedTheOtherJointsStay) {
 TEST(GoalRulesTest, WhatCannotBeFollowedIsRefused) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const Values to = {1.0, 2.0, 3.0};
-  auto unlike = point(1.0, to);
+  auto unlike = point(1.0, to), jerky = point(1.0, to, to);
   unlike.accelerations = {1.0};
-  for (const auto& points :
-       std::vector<std::vector<JointTrajectory::Point>>{{point(1.0, {1.0, 2.0})},
-                                                        {point(1.0, {})},
-                                                        {point(1.0, to, {1.0})},
-                                                        {unlike},
-                                                        {point(1.0, {1.0, nan, 3.0})},
-                                                        {point(1.0, to, {1.0, nan, 3.0})},
-                                                        {point(nan, to)},
-                                                        {point(-1.0, to), point(1.0, to)},
-                                                        {point(1.0, to), point(1.0, to)},
-                                                        {point(2.0, to), point(1.0, to)},
-                                                        {point(0.0, to)}}) {
+  jerky.accelerations = {1.0, nan, 3.0};
+  for (const auto& points : std::vector<std::vector<JointTrajectory::Point>>{
+           {point(1.0, {1.0, 2.0})},
+           {point(1.0, {})},
+           {point(1.0, to, {1.0})},
+           {unlike},
+           {point(1.0, {1.0, nan, 3.0})},
+           {point(1.0, to, {1.0, nan, 3.0})},
+           {jerky},
+           {point(nan, to)},
+           {point(std::numeric_limits<double>::infinity(), to)},
+           {point(-1.0, to), point(1.0, to)},
+           {point(1.0, to), point(1.0, to)},
+           {point(2.0, to), point(1.0, to)},
+           {point(0.0, to)}}) {
     const JudgedGoal judged = judge(goalOf({"a", "b", "c"}, points));
     EXPECT_EQ(judged.fault, Fault::kInvalidGoal);
     EXPECT_FALSE(judged.text.empty());
