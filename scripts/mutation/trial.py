@@ -58,12 +58,12 @@ class Times:
 class Trial:
     """In one workshop."""
 
-    def __init__(self, workshop, suite, times):
-        self.workshop, self.suite, self.times = workshop, suite, times
+    def __init__(self, workshop, suite, times, is_quick):
+        self.workshop, self.suite, self.times, self.is_quick = workshop, suite, times, is_quick
 
     def tests_of(self, mutation):
         named = [test for name in mutation.tests for test in self.suite.named(name)]
-        return named, self.suite.further(mutation.room, named)
+        return named, [] if self.is_quick else self.suite.further(mutation.room, named)
 
     def targets_of(self, mutation):
         named, further = self.tests_of(mutation)

@@ -143,6 +143,12 @@ class MutateTest(RepositoryTest):
         self.assertNotIn("Building", built, "what was built of whole sources is back")
         self.assertEqual(subprocess.run([shop / "build" / "check_limit_test"], check=False).returncode, 0)
 
+    def test_a_quick_look_runs_those_named_alone(self):
+        self.list(BELOW)
+        status, said, _errors = self.run_on_it("--quick")
+        self.assertEqual((status, self.results()), (1, {BELOW["name"]: ("SURVIVED", None)}), said)
+        self.assertIn("SURVIVED: 1 tests pass", said)
+
     def test_one_that_survives_fails_unless_it_is_said_to_be_equivalent(self):
         self.list(SAME)
         status, said, _errors = self.run_on_it()
