@@ -1,6 +1,7 @@
 """Kinds of faults that are no faulty input: things that come near, others that publish and call nonsense, parameters."""
 
 import math
+import time
 
 import rospy
 from dynamic_reconfigure.client import Client
@@ -77,7 +78,7 @@ class KeptOut(Fault):
         while not self.call(soak, True):  # else it would stay
             if soak.is_over():
                 break
-            rospy.sleep(0.1)
+            time.sleep(0.1)
         return now
 
 
@@ -225,7 +226,7 @@ class Tuned(Fault):
     def end(self, soak):
         now = rospy.get_time()
         while not self.update({name: self.defaults[name] for name in self.values}) and not soak.is_over():
-            rospy.sleep(0.1)  # else it would stay
+            time.sleep(0.1)  # else it would stay
         return now
 
 

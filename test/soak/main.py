@@ -9,6 +9,7 @@ Exit status: 0 all held; 1 something did not, see the table; 2 wrong arguments, 
 """
 
 import argparse
+import dataclasses
 import json
 import pathlib
 import random
@@ -51,10 +52,10 @@ class Soak:
     def __init__(self, options, folder):
         self.options, self.folder = options, folder
         self.random = random.Random(options.seed)
-        self.system = system.System(folder, options.seed, options.sensors, options.stops)
+        self.system = system.System(folder, options)
         self.system.start()
         rospy.init_node("soak", anonymous=True, disable_signals=True)
-        self.robot = robot.Robot(options.sensors)
+        self.robot = robot.Robot(options)
         self.tilt = rospy.Publisher("simulation/tilt_fault", String, queue_size=10)
         self.trajectory = rospy.Publisher("trajectory", JointTrajectory, queue_size=10)
         self.operator, self.client = robot.Operator(self.robot), robot.Client(self.robot, options.seed, folder / "goals.log")
@@ -149,7 +150,7 @@ class Soak:
     def episode(self, drawn, apart):
         """@param apart between the beginnings of two [s]"""
         self.now = drawn
-        spans, begun = [], []
+        spans, walls, begun = [], [], []
         begin_wall, put_at = time.monotonic(), None
         for number, fault in enumerate(drawn):
             if number:
@@ -163,10 +164,11 @@ class Soak:
         for number, (fault, begin, wall) in enumerate(lasting):
             self.last(wall + fault.length - time.monotonic(), lasting[number:])
             end = fault.end(self)
-            span = oracle.fault_span(begin, end, fault.limit, fault.name)
-            if span:
-                spans.append(span)
-        self.judge(begun, spans, begin_wall, put_at)
+            if fault.is_by_wall:
+                walls.append(oracle.fault_span(wall, time.monotonic(), fault.limit, fault.name))
+            else:
+                spans.append(oracle.fault_span(begin, end, fault.limit, fault.name))
+        self.judge(begun, [one for one in spans if one], [one for one in walls if one], begin_wall, put_at)
         self.now = []
 
     def last(self, seconds, lasting):
@@ -181,8 +183,9 @@ class Soak:
                 return
             time.sleep(min(left, 0.05))
 
-    def judge(self, begun, spans, begin_wall, put_at):
-        """Waits until motion is permitted again, and says what was wrong."""
+    def judge(self, begun, spans, walls, begin_wall, put_at):
+        """Waits until motion is permitted again, and says what was wrong.
+        @param spans, walls when nothing might be permitted, by the monitor's clock and by the machine's."""
         over = time.monotonic()
         release = max((fault.release for fault, _, _ in begun), default=faults.INPUT_RELEASE_S)
         found = []
@@ -198,6 +201,7 @@ class Soak:
             spans = spans + oracle.near_spans(truths, put_at)
             found += oracle.contacts(truths, speeds, put_at)
         found += oracle.false_clears(permissions, spans) + oracle.moves(speeds, spans)
+        found += oracle.false_clears([dataclasses.replace(one, stamp=one.received) for one in permissions], walls)
         found += oracle.too_long_valid(permissions, VALID_S)
         touched = set().union(*(fault.touches for fault, _, _ in begun))
         if not touched & QUIETS:
@@ -207,7 +211,7 @@ class Soak:
         again = oracle.permitted_again(permissions, over)
         for fault, begin, _ in begun:
             self.tally.add(fault, oracle.stopped_after(permissions, begin), again and again - over)
-        self.tally.episode([fault.name for fault, _, _ in begun], found, spans)
+        self.tally.episode([fault.name for fault, _, _ in begun], found, spans + walls)
         report.show(self, begun, found)
 
     def wait_until_permitted_after(self, wall, patience_s):
@@ -233,7 +237,8 @@ def chosen_kinds(options):
     """By name."""
     return {name: kind for name, kind in faults.all_kinds().items()
             if options.only in name and ("camera" in options.sensors or "camera" not in name)
-            and (options.stops <= system.STOPS_FEW or "disk" not in kind.touches)}
+            and (options.stops <= system.STOPS_FEW or "disk" not in kind.touches)
+            and (options.clock == "simulated" or "/clock" not in kind.touches)}
 
 
 def sensors_of(text):
@@ -256,11 +261,15 @@ def options():
     parser.add_argument("--seed", type=int, default=1, help="of the faults, the robot's noise and its goals (%(default)d)")
     parser.add_argument("--only", default="", metavar="TEXT", help="only faults with this in their names")
     parser.add_argument("--sensors", type=sensors_of, default=["laser", "camera"], help="laser or laser,camera (both)")
+    parser.add_argument("--clock", choices=("wall", "simulated"), help="the monitor's; a simulated one has faults of its "
+                        "own (every other two seeds)")
     parser.add_argument("--stops", type=int, default=system.STOPS_FEW, metavar="N",
                         help="how many stops are kept and replayed at the end (%(default)d)")
     parser.add_argument("--out", type=pathlib.Path, help="folder for soak.json and the programs' logs")
     parser.add_argument("--list", action="store_true", help="all kinds of faults, and ends")
-    return parser.parse_args()
+    chosen = parser.parse_args()
+    chosen.clock = chosen.clock or ("simulated" if chosen.seed % 4 >= 2 else "wall")
+    return chosen
 
 
 def main():

@@ -12,6 +12,7 @@ from actionlib_msgs.msg import GoalStatus
 from control_msgs.msg import FollowJointTrajectoryAction, FollowJointTrajectoryGoal
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Point
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState, LaserScan, PointCloud2
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
@@ -67,7 +68,7 @@ class Kept:
 class Robot:
     """@var gates by topic, through which all that the monitor hears goes."""
 
-    def __init__(self, sensors):
+    def __init__(self, options):
         self.permissions, self.truths, self.speeds, self.latencies = Kept(), Kept(), Kept(), Kept()
         self.status, self.palm, self.positions = None, None, {}
         self.serial = None
@@ -75,8 +76,10 @@ class Robot:
         self.resets, self.stops_bytes = 0, 0
         self.gates = {"joint_states": Gate("joint_states", JointState), "scan": Gate("scan", LaserScan),
                       "/tf": Gate("/tf", TFMessage)}
-        if "camera" in sensors:
+        if "camera" in options.sensors:
             self.gates["camera_cloud"] = Gate("camera_cloud", PointCloud2)
+        if options.clock == "simulated":
+            self.gates["/clock"] = Gate("/clock", Clock)
         for topic, kind, take in (("motion_permission", MotionPermission, self.take_permission),
                                   ("monitor_status", MonitorStatus, self.take_status),
                                   ("raw/joint_states", raw_type(JointState), self.take_joints),

@@ -37,11 +37,12 @@ def set_parameters(config, sensors, seed, stops, stops_max):
 class System:
     """@var programs by name."""
 
-    def __init__(self, folder, seed, sensors, stops_max):
-        self.folder, self.seed, self.sensors, self.stops_max = folder, seed, sensors, stops_max
+    def __init__(self, folder, options):
+        self.folder, self.seed, self.sensors, self.stops_max = folder, options.seed, options.sensors, options.stops
+        self.clock = options.clock
         self.stops = folder / "stops"
         self.stops.mkdir(parents=True, exist_ok=True)
-        self.has_small_disk = stops_max <= STOPS_FEW and subprocess.run(
+        self.has_small_disk = self.stops_max <= STOPS_FEW and subprocess.run(
             ["mount", "-t", "tmpfs", "-o", f"size={STOPS_MB}m", "tmpfs", self.stops], check=False,
             stderr=subprocess.DEVNULL).returncode == 0
         self.programs = {}
@@ -59,6 +60,8 @@ class System:
     def start(self):
         set_parameters(pathlib.Path(__file__).parent / "monitored.yaml", self.sensors, self.seed, self.stops,
                        self.stops_max)
+        rospy.set_param("/use_sim_time", self.clock == "simulated")
+        rospy.set_param("simulation/publish_clock", self.clock == "simulated")
         rospy.set_param("simulation/motion", "commanded")
         rospy.set_param("simulation/controllers", ["left_arm_controller", "right_arm_controller"])
         rospy.set_param("simulation/noise_m", 0.005)
@@ -67,7 +70,7 @@ class System:
         rospy.set_param("simulation/camera", "head")
         rospy.set_param("simulation/camera_width", 160)
         self.add("simulation", node("tccm_monitor", "simulation_node", "simulation", "scan:=raw/scan",
-                                    "joint_states:=raw/joint_states", "/tf:=raw/tf",
+                                    "joint_states:=raw/joint_states", "/tf:=raw/tf", "/clock:=raw/clock",
                                     "camera/depth/color/points:=raw/camera_cloud"))
         self.add("laser_assembler", nodelet("TiltScanAssembler", "tilt_scan_assembler", "laser", "scan:=/scan", *SHARED))
         self.add("laser_mapper", nodelet("TccmMapper", "tccm_mapper", "laser", *SHARED))
