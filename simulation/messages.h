@@ -41,7 +41,8 @@ constexpr char kLidarTopic[] = "ouster/points";
 [[nodiscard]] tf2_msgs::TFMessage transformMessage(const RobotModel& model,
                                                    const RobotSample& sample);
 
-/// The scene as it is at an instant, transparent, in place of what was drawn before. @param frame the fixed frame
+/// The scene as it is at an instant, transparent, in place of what was drawn before. @param frame
+/// the fixed frame
 [[nodiscard]] visualization_msgs::MarkerArray sceneMarkers(const World& world,
                                                            const std::string& frame, Time stamp);
 

@@ -12,8 +12,9 @@ from input_gate import altered, dated, nothing
 
 # Of monitored.yaml; the docs say what each is for.
 JOINTS_S = 0.3
-SCANS_S = 10 * 0.028 + 0.01 + 0.028  # no map; a scan may have waited for a transform, one may be under way
-CLOUDS_S = 10 * 0.034 + 0.01 + 0.034
+LATE_S = 0.04  # that a machine which is busy may add on the way of the last message
+SCANS_S = 10 * 0.028 + 0.01 + 0.028 + LATE_S  # no map; a scan may have waited for a transform, one may be under way
+CLOUDS_S = 10 * 0.034 + 0.01 + 0.034 + LATE_S
 TRANSFORMS_S = 0.5
 MAP_AGE_S = 0.5
 AT_ONCE_S = 0.02 + JOINTS_S  # with the next message; where that does not come for want of time, it is missed
@@ -33,6 +34,7 @@ class Fault:
     limit, release = None, INPUT_RELEASE_S
     lasts = (0.4, 2.0)
     is_by_wall = False  # whether the limit is one of the machine's clock, as the monitor's own is not to be relied on
+    counts_anew = False  # whether the limit counts from where another fault ends that came between
     is_clear = True  # whether what the sensors see is passed on as it is, in time
 
     def __init__(self, name, *touches):
@@ -114,9 +116,9 @@ class TimeJump(Fault):
 
 
 class TiltFault(Fault):
-    """What the laser's tilt does."""
+    """What the laser's tilt does. After a gap in the scans it has as long as before to go on."""
 
-    lasts = (3.0, 5.0)
+    lasts, counts_anew = (3.0, 5.0), True
 
     def __init__(self, fault, limit):
         # One whose mapper has just begun passes for a laser that does not tilt, where the window is set by seconds.

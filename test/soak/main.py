@@ -160,10 +160,14 @@ class Soak:
                 begun.append((fault, begin, time.monotonic()))
             if "world" in fault.touches:
                 put_at = self.put_at
+        ended = 0.0
         lasting = sorted(begun, key=lambda one: one[2] + one[0].length)
         for number, (fault, begin, wall) in enumerate(lasting):
             self.last(wall + fault.length - time.monotonic(), lasting[number:])
             end = fault.end(self)
+            if fault.counts_anew:
+                begin = max(begin, ended)
+            ended = end
             if fault.is_by_wall:
                 walls.append(oracle.fault_span(wall, time.monotonic(), fault.limit, fault.name))
             else:
