@@ -7,6 +7,8 @@
 namespace tccm {
 namespace {
 
+constexpr double kShort_s = 1.5;  // after which a checker that begins anew knows what it has to
+
 std::string textOf(const StopReplay::Found& found) {
   return std::string(found.stop ? "STOP " : "no stop: ") + found.reason +
          (found.link.empty() ? "" : " of '" + found.link + "'") +
@@ -31,6 +33,10 @@ int replayStopIn(const std::string& path, std::ostream& out) {
   const bool is_same = replay.recorded == replay.replayed;
   out << (is_same ? "the same verdict" : "NOT the same verdict")
       << formatted("; %zu of %zu checks found the same", replay.same, replay.checks) << std::endl;
+  if (!is_same && replay.seconds < kShort_s) {
+    out << formatted("%.1f s are too short for a replay: raise collision_checker/stops_memory_mb\n",
+                     replay.seconds);
+  }
   return is_same ? kDone : kLimitMissed;
 }
 

@@ -17,7 +17,7 @@ START_S = 30.0
 SHARED = ("joint_states:=/joint_states", "attached_objects:=/attached_objects")
 STOPS_FEW = 5  # stops that are kept at most in a folder that can be filled
 STOPS_MB = 40  # of that folder
-STOPS_MEMORY_MB = 16
+STOPS_MEMORY_MB = 64
 
 
 def set_parameters(config, sensors, seed, stops, stops_max):
