@@ -53,12 +53,7 @@ class Soak:
         self.options, self.folder = options, folder
         self.random = random.Random(options.seed)
         self.system = system.System(folder, options)
-        self.system.start()
-        rospy.init_node("soak", anonymous=True, disable_signals=True)
-        self.robot = robot.Robot(options)
-        self.tilt = rospy.Publisher("simulation/tilt_fault", String, queue_size=10)
-        self.trajectory = rospy.Publisher("trajectory", JointTrajectory, queue_size=10)
-        self.operator, self.client = robot.Operator(self.robot), robot.Client(self.robot, options.seed, folder / "goals.log")
+        self.robot = self.operator = self.client = None
         self.kinds = chosen_kinds(options)
         self.put_at, self.spinners, self.interrupted = float("inf"), [], False
         self.tally = report.Tally()
@@ -123,6 +118,13 @@ class Soak:
 
     def start(self):
         self.now = []
+        self.system.start()
+        rospy.init_node("soak", anonymous=True, disable_signals=True)
+        self.robot = robot.Robot(self.options)
+        self.tilt = rospy.Publisher("simulation/tilt_fault", String, queue_size=10)
+        self.trajectory = rospy.Publisher("trajectory", JointTrajectory, queue_size=10)
+        self.operator = robot.Operator(self.robot)
+        self.client = robot.Client(self.robot, self.options.seed, self.folder / "goals.log")
         self.operator.start()
         self.client.start()
         if not self.wait_until_permitted(STARTS_S):
@@ -228,10 +230,13 @@ class Soak:
         return False
 
     def end(self):
+        """Also where it was not started to its end."""
         for thread in (self.client, self.operator):
-            thread.ends.set()
+            if thread:
+                thread.ends.set()
         self.spin(0)
-        self.robot.close()
+        if self.robot:
+            self.robot.close()
         self.tally.stubborn = self.system.end()
         self.tally.replayed = self.system.replay_stops()
         self.system.remove_disk()

@@ -46,6 +46,11 @@ class System:
             ["mount", "-t", "tmpfs", "-o", f"size={STOPS_MB}m", "tmpfs", self.stops], check=False,
             stderr=subprocess.DEVNULL).returncode == 0
         self.programs = {}
+
+    def add(self, name, command):
+        self.programs[name] = Program(name, command, self.folder / f"{name}.log")
+
+    def start_master(self):
         self.add("master", ["roscore", "-p", os.environ["ROS_MASTER_URI"].rsplit(":", 1)[1]])
         self.programs["master"].start()
         deadline = time.monotonic() + START_S
@@ -54,10 +59,8 @@ class System:
                 raise RuntimeError("no master comes up")
             time.sleep(0.1)
 
-    def add(self, name, command):
-        self.programs[name] = Program(name, command, self.folder / f"{name}.log")
-
     def start(self):
+        self.start_master()
         set_parameters(pathlib.Path(__file__).parent / "monitored.yaml", self.sensors, self.seed, self.stops,
                        self.stops_max)
         rospy.set_param("/use_sim_time", self.clock == "simulated")
