@@ -29,10 +29,10 @@ class Loader(yaml.SafeLoader):  # pylint: disable=too-many-ancestors
         return super().construct_mapping(node, deep)
 
 
-def read_yaml(path):
+def read_yaml(path, loader=Loader):
     try:
         with open(path, encoding="utf-8") as file:
-            return yaml.load(file, Loader)
+            return yaml.load(file, loader)
     except (OSError, ValueError) as error:
         raise Wrong(f"{path}: {getattr(error, 'strerror', None) or error}") from error
     except (yaml.YAMLError, TypeError, RecursionError) as error:

@@ -4,16 +4,12 @@ import dataclasses
 import pathlib
 import re
 
-import yaml
+from evaluations.entries import Loader, Wrong, read_yaml
 
 FOLDER = pathlib.PurePath("test", "mutations")
 NEEDED, OPTIONAL = ("name", "file", "before", "after", "tests"), ("equivalent",)
 NAME_MAX = 100
 LINE = "line"
-
-
-class Wrong(Exception):
-    """What is asked for cannot be; said in one line."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -34,27 +30,15 @@ class Mutation:
         return f"{self.room}: {self.name}"
 
 
-class Loader(yaml.SafeLoader):  # pylint: disable=too-many-ancestors
-    """Each mapping knows its line; no key twice: the first would silently be none."""
+class WithLines(Loader):  # pylint: disable=too-many-ancestors
+    """Each mapping knows its line."""
 
     def construct_mapping(self, node, deep=False):
-        keys = [self.construct_object(key, deep=True) for key, _value in node.value]
-        for position, key in enumerate(keys):
-            if key in keys[:position]:
-                line = node.value[position][0].start_mark.line + 1
-                raise yaml.MarkedYAMLError(problem=f"line {line}: {key} is there twice")
         return dict(super().construct_mapping(node, deep), **{LINE: node.start_mark.line + 1})
 
 
-def read_yaml(path):
-    try:
-        listed = yaml.load(path.read_text(encoding="utf-8"), Loader)
-    except (OSError, ValueError) as error:
-        raise Wrong(f"{path}: {getattr(error, 'strerror', None) or error}") from error
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        where = f"line {mark.line + 1}: " if mark else ""
-        raise Wrong(f"{path}: {where}{getattr(error, 'problem', None) or 'is no YAML'}") from error
+def read_list(path):
+    listed = read_yaml(path, WithLines)
     if not isinstance(listed, list) or not all(isinstance(one, dict) for one in listed):
         raise Wrong(f"{path}: has to be a list of mutations, each with keys")
     return listed
@@ -105,7 +89,7 @@ def of_file(path, repository):
     """@return mutations, and what is wrong with others, a line each."""
     mutations, defects = [], []
     tests = known_tests(repository)
-    for what in read_yaml(path):
+    for what in read_list(path):
         where = f"{path.relative_to(repository)}:{what[LINE]}"
         defect = defect_of_keys(what)
         if not defect:
