@@ -2,7 +2,7 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include "base/one_line.h"
+#include "base/printable.h"
 #include "config/yaml_file.h"
 #include "tccm_monitor/config_error.h"
 
@@ -143,7 +143,8 @@ void loadAll(const YAML::Node& node, const std::string& owner, Config& config) {
   for (const auto& entry : node) {
     if (entry.first.as<std::string>() == unknown.front()) line = lineText(entry.first);
   }
-  throw ConfigError(oneLine(line + owner + "/" + unknown.front()) + ": there is no such parameter");
+  throw ConfigError(printable(line + owner + "/" + unknown.front(), kLineMax) +
+                    ": there is no such parameter");
 }
 
 /// Takes one of a sensor's sections out of it.
@@ -246,7 +247,7 @@ MonitorConfig readMonitorConfig(const std::string& path) {
   try {
     return configFrom(file, path);
   } catch (const ConfigError& error) {
-    const std::string what = oneLine(error.what());  // names may hold anything
+    const std::string what = printable(error.what(), kLineMax);  // names may hold anything
     throw ConfigError(what.rfind("line ", 0) == 0 ? path + ": " + what : what);
   }
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/one_line.h"
+#include "base/printable.h"
 #include "check/checker_parts.h"
 #include "tccm_monitor/config_error.h"
 
@@ -67,7 +67,7 @@ std::optional<Pose> Checker::linkPose(Time now, const std::string& link) {
 PlacedShape Checker::placeOf(Time now, const AttachedObject& object) {
   const auto T_fixed_link = linkPose(now, object.link);
   if (!T_fixed_link) {
-    throw ConfigError(oneLine("object '" + object.name + "': link '" + object.link) +
+    throw ConfigError(printable("object '" + object.name + "': link '" + object.link, kLineMax) +
                       "' cannot be placed: joints or transforms are missing or too old");
   }
   return {object.primitive.shape, *T_fixed_link * object.primitive.pose};
@@ -77,7 +77,7 @@ StateAnswer Checker::checkState(Time now, const std::vector<std::string>& names,
                                 const std::vector<double>& positions) {
   StateAnswer answer;
   const auto refuse = [&answer](const std::string& detail) {
-    answer.cause = {Reason::kBadQuestion, oneLine(detail)};  // names may hold anything
+    answer.cause = {Reason::kBadQuestion, printable(detail, kLineMax)};  // names may hold anything
     return answer;
   };
   if (names.empty() || names.size() != positions.size()) {

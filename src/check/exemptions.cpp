@@ -5,7 +5,7 @@
 
 #include "base/duration_text.h"
 #include "base/line_of.h"
-#include "base/one_line.h"
+#include "base/printable.h"
 #include "robot/link_use.h"
 #include "tccm_monitor/config_error.h"
 
@@ -29,7 +29,8 @@ void requireOneLink(const RobotModel& model, const std::string& link) {
   const bool is_one = std::all_of(shapes.begin(), shapes.end(), [&](std::size_t shape) {
     return model.shapes()[shape].link == model.shapes()[shapes.front()].link;
   });
-  if (!is_one) throw ConfigError(oneLine("link: '" + link + "' means more than one link"));
+  if (!is_one)
+    throw ConfigError(printable("link: '" + link + "' means more than one link", kLineMax));
 }
 
 /// Where on the robot a frame lies.

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "base/frame_name.h"
-#include "base/one_line.h"
+#include "base/printable.h"
 #include "check/pose_check.h"
 #include "geometry/distance.h"
 #include "geometry/overlap.h"
@@ -143,7 +143,7 @@ KeepOut::Placed KeepOut::resolve(KeepOutRegion& region, const RobotModel& model,
     placed.T_root_box = mounts[i].T_root_link * region.T_frame_box;
     return placed;
   }
-  throw ConfigError("frame: '" + oneLine(frame) + "' is neither the fixed frame '" +
+  throw ConfigError("frame: '" + printable(frame, kLineMax) + "' is neither the fixed frame '" +
                     withoutSlash(fixed_frame) +
                     "' nor a link that no joint moves: " + framesOf(model, mounts));
 }
@@ -188,7 +188,7 @@ void KeepOut::remove(const std::string& name) {
     placed_.erase(placed_.begin() + static_cast<std::ptrdiff_t>(i));
     return;
   }
-  throw ConfigError(oneLine("name: there is no region '" + name + "'"));
+  throw ConfigError(printable("name: there is no region '" + name + "'", kLineMax));
 }
 
 void KeepOut::take(const RobotModel& model, const UsedBody& body) {

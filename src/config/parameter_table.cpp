@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <sstream>
 
-#include "base/one_line.h"
+#include "base/printable.h"
 #include "config/yaml_file.h"
 #include "tccm_monitor/config_error.h"
 
@@ -97,8 +97,9 @@ ParameterTable::Names ParameterTable::load(const YAML::Node& node, const std::st
   if (!node || node.IsNull()) return unknown;
   if (!node.IsMap()) throw ConfigError(owner + ": its parameters are no map of keys and values");
   const auto refuse = [&](const std::string& key, const YAML::Node& value, const char* type) {
-    throw ConfigError(oneLine(lineText(value) + owner + "/" + key + ": " + flowText(value)) +
-                      " is not " + type);
+    throw ConfigError(
+        printable(lineText(value) + owner + "/" + key + ": " + flowText(value), kLineMax) +
+        " is not " + type);
   };
   for (const Row& row : rows_) {
     const YAML::Node value = node[row.key];
@@ -111,7 +112,7 @@ ParameterTable::Names ParameterTable::load(const YAML::Node& node, const std::st
     try {
       std::visit(RequireRange{row}, row.member);
     } catch (const ConfigError& error) {
-      throw ConfigError(oneLine(lineText(value) + owner + "/" + error.what()));
+      throw ConfigError(printable(lineText(value) + owner + "/" + error.what(), kLineMax));
     }
   }
   for (const List& list : lists_) {
@@ -123,7 +124,7 @@ ParameterTable::Names ParameterTable::load(const YAML::Node& node, const std::st
       const std::string entry = owner + "/" + list.key + "[" + std::to_string(i) + "]";
       const Names slips = tables[i].load(value[i], entry);
       if (!slips.empty()) {
-        throw ConfigError(oneLine(lineText(value[i]) + entry + "/" + slips.front()) +
+        throw ConfigError(printable(lineText(value[i]) + entry + "/" + slips.front(), kLineMax) +
                           ": there is no such parameter");
       }
     }

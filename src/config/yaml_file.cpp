@@ -9,14 +9,14 @@
 #include <string_view>
 #include <vector>
 
-#include "base/one_line.h"
+#include "base/printable.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {
 
 [[noreturn]] void refuse(const std::string& name, int line, const std::string& why) {
-  throw ConfigError(oneLine(name + ": line " + std::to_string(line + 1) + ": " + why));
+  throw ConfigError(printable(name + ": line " + std::to_string(line + 1) + ": " + why, kLineMax));
 }
 
 /// Whether yaml-cpp and PyYAML both take a plain word for NaN or infinity.

@@ -19,12 +19,12 @@
 #include <sstream>
 #include <system_error>
 
+#include "base/printable.h"
 #include "config/parameter_table.h"
 #include "fit/enclosing.h"
 #include "fit/mesh_partition.h"
 #include "fit/overhang.h"
 #include "fit/points.h"
-#include "mesh/text.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {

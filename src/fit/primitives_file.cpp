@@ -9,6 +9,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "base/printable.h"
 #include "config/yaml_file.h"
 #include "mesh/text.h"
 #include "tccm_monitor/config_error.h"

@@ -6,6 +6,7 @@
 #include <map>
 #include <unordered_map>
 
+#include "base/printable.h"
 #include "mesh/mesh.h"
 #include "mesh/text.h"
 #include "tccm_monitor/config_error.h"

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <unordered_map>
 
+#include "base/printable.h"
 #include "mesh/mesh.h"
 #include "mesh/text.h"
 #include "tccm_monitor/config_error.h"

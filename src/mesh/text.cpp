@@ -5,6 +5,7 @@
 #include <clocale>
 #include <cstdlib>
 
+#include "base/printable.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
@@ -14,14 +15,6 @@ constexpr std::string_view kWhiteSpace = " \t\r\n\f\v";
 constexpr std::size_t kNumberLength = 400;  // more digits than any double needs
 
 }  // namespace
-
-std::string printable(std::string_view text, std::size_t longest) {
-  std::string line(text.substr(0, longest));
-  if (text.size() > longest) line += "...";
-  std::replace_if(
-      line.begin(), line.end(), [](unsigned char c) { return c < 0x20U || c == 0x7fU; }, ' ');
-  return line;
-}
 
 std::string_view TokenReader::peek() const {
   const std::size_t begin = std::min(text_.find_first_not_of(kWhiteSpace, position_), text_.size());

@@ -6,12 +6,8 @@
 #include <string>
 #include <string_view>
 
-/// Text of files that others wrote: its words and numbers, and how errors quote it.
+/// Text of files that others wrote: its words and numbers.
 namespace tccm {
-
-/// Text from a file or a URI, made fit for an error's one line: control characters become spaces,
-/// and what is too long is cut.
-[[nodiscard]] std::string printable(std::string_view text, std::size_t longest = 300);
 
 /// Walks through a text's words, which white space parts. Numbers are read alike in every locale.
 /// The text has to outlive the reader.

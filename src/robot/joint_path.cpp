@@ -6,7 +6,7 @@
 #include <set>
 
 #include "base/line_of.h"
-#include "base/one_line.h"
+#include "base/printable.h"
 #include "robot/joint_rule.h"
 #include "robot/joint_spline.h"
 
@@ -31,7 +31,7 @@ std::size_t variableOf(const std::string& name, const RobotModel& model) {
 }
 
 std::string defectOfJoint(const std::string& name, const RobotModel& model) {
-  const std::string joint = oneLine("joint '" + name + "' ");
+  const std::string joint = printable("joint '" + name + "' ", kLineMax);
   if (!model.hasJoint(name)) return joint + "is not one of the robot's";
   if (model.fixedJoints().count(name) > 0) return joint + "is one of fixed_joints";
   if (variableOf(name, model) < model.variables().size()) return {};
@@ -161,7 +161,8 @@ std::string defectOf(const JointTrajectory& trajectory, const RobotModel& model,
   if (trajectory.points.empty()) return "it has no points";
   std::set<std::string> names;
   for (const std::string& name : trajectory.names) {
-    if (!names.insert(name).second) return oneLine("joint '" + name + "' is named twice");
+    if (!names.insert(name).second)
+      return printable("joint '" + name + "' is named twice", kLineMax);
     std::string defect = defectOfJoint(name, model);
     if (!defect.empty()) return defect;
   }

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "base/one_line.h"
+#include "base/printable.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
@@ -48,7 +48,7 @@ void LinkSelector::requireMatches(const std::vector<std::string>& wanted,
                          [&](const std::string& link) { return matches({entry}, link); });
     };
     if (isIn(links)) continue;
-    throw ConfigError(key + ": '" + oneLine(entry) + "' matches no " +
+    throw ConfigError(key + ": '" + printable(entry, kLineMax) + "' matches no " +
                       (isIn(links_) ? "monitored link" : "link of robot_description"));
   }
 }

@@ -6,8 +6,8 @@
 
 #include "base/frame_name.h"
 #include "base/line_of.h"
+#include "base/printable.h"
 #include "config/parameter_table.h"
-#include "mesh/text.h"
 #include "robot/geometry_reader.h"
 #include "robot/link_use.h"
 #include "robot/urdf_reader.h"
@@ -19,7 +19,6 @@ namespace {
 /// [m]; what is larger would be filtered out of scans with half of the surroundings.
 constexpr double kObjectReachMax = 3.0;
 constexpr std::size_t kObjectsMax = 64;    // each costs as much as a link
-constexpr std::size_t kMessageMax = 1000;  // bytes
 
 using Links = std::vector<urdf::LinkConstSharedPtr>;
 
@@ -85,7 +84,7 @@ RobotModel::RobotModel(const std::string& urdf_text, const Config& config,
   for (std::size_t i = 0; i < candidates.size(); ++i) add(candidates[i]->name, geometries[i]);
   cache_defect_ = reader.cacheDefect();
 } catch (const ConfigError& error) {
-  throw ConfigError(printable(error.what(), kMessageMax));  // names may hold anything
+  throw ConfigError(printable(error.what(), kLineMax));  // names may hold anything
 }
 
 /// They may be called as tf calls them, too.

@@ -9,7 +9,7 @@
 #include <mutex>
 #include <set>
 
-#include "mesh/text.h"
+#include "base/printable.h"
 #include "robot/urdf_text.h"
 #include "tccm_monitor/config_error.h"
 

@@ -11,7 +11,7 @@
 #include <set>
 #include <string_view>
 
-#include "mesh/text.h"
+#include "base/printable.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {

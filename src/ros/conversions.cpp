@@ -8,7 +8,7 @@
 #include <cstring>
 #include <limits>
 
-#include "base/one_line.h"
+#include "base/printable.h"
 #include "scan/scan_stage.h"
 #include "tccm_monitor/config_error.h"
 
@@ -179,7 +179,7 @@ PlacedShape fromMessage(const tccm_monitor::Primitive& message, const std::strin
   } else if (message.shape == "capsule") {
     primitive.shape = Capsule{message.radius, half_length};
   } else if (message.shape != "sphere") {
-    throw ConfigError(oneLine(owner + ": shape '" + message.shape) +
+    throw ConfigError(printable(owner + ": shape '" + message.shape, kLineMax) +
                       "' is none of box, cylinder, capsule, sphere");
   }
   return primitive;
@@ -205,7 +205,7 @@ tccm_monitor::Primitive toMessage(const PlacedShape& primitive) {
 
 AttachedObject fromMessage(const tccm_monitor::AttachedObject& message) {
   return {message.name, message.link,
-          fromMessage(message.primitive, oneLine("object '" + message.name + "'"))};
+          fromMessage(message.primitive, printable("object '" + message.name + "'", kLineMax))};
 }
 
 void fromMessage(const tccm_monitor::ScanReport& message, ScanReport& report) {

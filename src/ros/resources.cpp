@@ -14,8 +14,8 @@
 #include <system_error>
 #include <vector>
 
+#include "base/printable.h"
 #include "mesh/mesh.h"
-#include "mesh/text.h"
 #include "tccm_monitor/config_error.h"
 
 namespace tccm {
