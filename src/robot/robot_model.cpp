@@ -18,7 +18,7 @@ namespace {
 
 /// [m]; what is larger would be filtered out of scans with half of the surroundings.
 constexpr double kObjectReachMax = 3.0;
-constexpr std::size_t kObjectsMax = 64;    // each costs as much as a link
+constexpr std::size_t kObjectsMax = 64;  // each costs as much as a link
 
 using Links = std::vector<urdf::LinkConstSharedPtr>;
 
