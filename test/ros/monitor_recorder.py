@@ -20,10 +20,16 @@ SCAN_PERIOD = 0.028
 PUBLISH_PERIOD = 0.02
 # What a loaded machine may add to the limits: the clock's step and the way through this program.
 SLACK = 0.04
-# Between two permissions, where the machine itself may stand still for a moment. How many there are is
-# counted, too.
-GAP_MAX = 0.5
+# Between two permissions, where the machine itself may stand still. That most come in time is looked
+# at too: share_in_time().
+GAP_MAX = 2.0
 FLAGS = ("stop", "collision", "occlusion")
+
+
+def share_in_time(times):
+    """@return of what comes every PUBLISH_PERIOD the share that is not half a period late. A machine
+    that stands still now and then makes few late, one that waits for something all."""
+    return sum(b - a < 1.5 * PUBLISH_PERIOD for a, b in zip(times, times[1:])) / (len(times) - 1)
 
 
 class Recording:
