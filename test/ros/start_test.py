@@ -19,6 +19,7 @@ JOINT_LIMIT = 0.1
 # Of maps and transforms, of which none ever came.
 OTHERS_LIMIT = 0.5
 FIRST_LIMIT = 0.1
+START_SLACK = 0.3  # while other programs start
 LISTENING = 2.0  # seconds
 
 
@@ -71,7 +72,7 @@ class StartTest(unittest.TestCase):
     def test_the_first_permission_comes_at_once(self):
         passed = self.said("Self-test passed")
         self.assertEqual(len(passed), 1)
-        self.assertLess(self.begin() - passed[0].header.stamp.to_sec(), FIRST_LIMIT + SLACK)
+        self.assertLess(self.begin() - passed[0].header.stamp.to_sec(), FIRST_LIMIT + START_SLACK)
         self.assertLess(self.permissions[0].sequence, 1.0 / PUBLISH_PERIOD)
 
     def test_nothing_is_ever_permitted_or_clear(self):
