@@ -18,9 +18,9 @@ class CloudAssembler : public AssemblerNodelet<CloudAssemblerConfig, CloudStage,
   void setUp() override {
     setUpStage([](const CloudAssemblerConfig& config) { return config.cloud; });
     reader_.emplace(config().cloud.limits);
-    cloud_publisher_ = advertise<tccm_monitor::CloudScan>(node(), "cloud_scan", 5);
+    cloud_publisher_ = advertise<tccm_monitor::CloudScan>(node(), "cloud_scan", 3);
     hearInputs(std::make_unique<CloudSource>(config(), rootFrames(), transforms()));
-    add(hear("cloud_in", 5, &CloudAssembler::receiveCloud));
+    add(hear("cloud_in", 3, &CloudAssembler::receiveCloud));
   }
 
   void receiveCloud(const sensor_msgs::PointCloud2::ConstPtr& message) {

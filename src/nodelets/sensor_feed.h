@@ -42,7 +42,7 @@ class SensorFeed {
         scan_rate_(watch(prefix_ + "scan")),
         map_rate_(watch(prefix_ + "cuboid_map")) {}
   void begin(const ros::NodeHandle& node) {
-    map_input_ = hear(node, prefix_ + "cuboid_map", 10, &SensorFeed::receiveMap, this);
+    map_input_ = hear(node, prefix_ + "cuboid_map", 3, &SensorFeed::receiveMap, this);
     report_input_ = hear(node, prefix_ + "scan_report", 50, &SensorFeed::receiveReport, this);
   }
 
@@ -50,7 +50,7 @@ class SensorFeed {
   void hearPoints(const ros::NodeHandle& node, StopRecorder& recorder) {
     recorder_ = &recorder;
     point_inputs_ = {hear(node, prefix_ + "scan_cloud", 5, &SensorFeed::receiveScan, this),
-                     hear(node, prefix_ + "cloud_scan", 5, &SensorFeed::receiveCloud, this)};
+                     hear(node, prefix_ + "cloud_scan", 3, &SensorFeed::receiveCloud, this)};
   }
 
   /// Index into the configured sensors.

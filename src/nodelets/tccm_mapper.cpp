@@ -42,13 +42,13 @@ class TccmMapper : public DiagnosedNodelet {
     ages_ = std::make_unique<PlaceAges>(mapper_->map());
     while (maps_.size() < kMapsAtStart) makeMap();
     trace_.begin(node());
-    map_publisher_ = advertise<PublishedMap>(node(), "cuboid_map", 10);
+    map_publisher_ = advertise<PublishedMap>(node(), "cuboid_map", 3);
     marker_publisher_ = advertise<visualization_msgs::Marker>(node(), "cuboid_markers", 4);
     services_ = {serve(node(), "clear_map", &TccmMapper::clearMap, this),
                  serve(node(), "get_cuboid_map", &TccmMapper::getCuboidMap, this)};
     marker_timer_ = timer(1.0 / config_.marker_rate_hz, [this] { publishMarkers(); });
     inputs_ = {hear("scan_cloud", 20, &TccmMapper::receiveCloud),
-               hear("cloud_scan", 20, &TccmMapper::receiveCloudScan),
+               hear("cloud_scan", 3, &TccmMapper::receiveCloudScan),
                hear("attached_objects", 5, &TccmMapper::receiveAttached)};
   }
 

@@ -21,6 +21,7 @@ AT_ONCE_S = 0.02 + JOINTS_S  # with the next message; where that does not come f
 CLOCK_S = 0.6  # half a second of the wall clock, and a check
 MODEL_S = 1.3  # 5 of 10 comparisons, ten a second, and what a scan's transforms wait
 STANDING_TILT_S = 2.4  # its longest stroke and a quarter of a period, and what it takes to find that
+TILT_LEARNT_S = 8.0  # after which a mapper has come up and has seen the tilt turn
 
 INPUT_RELEASE_S = 8.0  # a tilt period to be measured anew, the map's window, release_s
 START_RELEASE_S = 15.0  # a process comes up besides
@@ -116,14 +117,14 @@ class TimeJump(Fault):
 
 
 class TiltFault(Fault):
-    """What the laser's tilt does. After a gap in the scans it has as long as before to go on."""
+    """What the laser's tilt does. After a gap in the scans it has as long as before to go on. One whose mapper has just
+    begun passes for a laser that does not tilt, where the window is set by seconds."""
 
     lasts, counts_anew = (3.0, 5.0), True
 
     def __init__(self, fault, limit):
-        # One whose mapper has just begun passes for a laser that does not tilt, where the window is set by seconds.
         super().__init__(f"tilt {fault}", "tilt", "laser_mapper")
-        self.fault, self.limit = fault, limit
+        self.fault, self.limit_known = fault, limit
         self.is_clear = False
 
     def say(self, soak, fault):
@@ -131,6 +132,8 @@ class TiltFault(Fault):
         return rospy.get_time()
 
     def begin(self, soak):
+        age = time.monotonic() - soak.system.programs["laser_mapper"].started
+        self.limit = self.limit_known if age > TILT_LEARNT_S else None
         return self.say(soak, self.fault)
 
     def end(self, soak):

@@ -163,6 +163,7 @@ class Soak:
             if "world" in fault.touches:
                 put_at = self.put_at
         ended = 0.0
+        is_clock_sound = not any("/clock" in fault.touches for fault in drawn)
         lasting = sorted(begun, key=lambda one: one[2] + one[0].length)
         for number, (fault, begin, wall) in enumerate(lasting):
             self.last(wall + fault.length - time.monotonic(), lasting[number:])
@@ -172,6 +173,8 @@ class Soak:
             ended = end
             if fault.is_by_wall:
                 walls.append(oracle.fault_span(wall, time.monotonic(), fault.limit, fault.name))
+            elif not is_clock_sound:
+                continue  # it cannot be said when this began
             else:
                 spans.append(oracle.fault_span(begin, end, fault.limit, fault.name))
         self.judge(begun, [one for one in spans if one], [one for one in walls if one], begin_wall, put_at)

@@ -28,6 +28,7 @@ SIDE = "right_arm"
 STOPS_BYTES = "kept for the next stop [bytes]"
 ANSWER_S = 1.0
 GOAL_HANGS_S = 20.0  # beyond what it should take at full speed
+GIVES_UP_S = 0.5  # that a goal has to end in once nobody waits for it
 
 
 def in_time(call):
@@ -172,7 +173,7 @@ class Client(threading.Thread):
 
     def target(self):
         """Near where the arm began, above the table."""
-        spread = {"shoulder_yaw": (-0.25, 0.25), "elbow": (0.0, 0.5), "wrist_yaw": (-0.5, 0.5),
+        spread = {"shoulder_yaw": (-0.25, 0.25), "elbow": (0.0, 0.28), "wrist_yaw": (-0.5, 0.5),
                   "wrist_pitch": (-0.25, 0.25), "wrist_roll": (-0.5, 0.5)}
         target = []
         for joint, position in zip(self.joints, self.begin):
@@ -217,13 +218,15 @@ class Client(threading.Thread):
         while not self.ends.wait(0.1):
             if not self.robot.is_permitted() or not self.robot.positions:
                 continue
+            if not client.wait_for_server(rospy.Duration(0.001)):  # what is sent now would be lost
+                continue
             self.begin = self.begin or [self.robot.positions[joint] for joint in self.joints]
             goal, seconds = self.goal()
             client.send_goal(goal)
             succeeded = self.follow(client, seconds)
             if succeeded is None:
                 client.cancel_goal()
-                client.stop_tracking_goal()
+                self.ends.wait(GIVES_UP_S)
             self.done += bool(succeeded)
             self.failed += not succeeded
             self.tell(client, succeeded)

@@ -71,7 +71,7 @@ class System:
         rospy.set_param("simulation/seed", self.seed)
         rospy.set_param("simulation/sensors", ",".join(self.sensors))
         rospy.set_param("simulation/camera", "head")
-        rospy.set_param("simulation/camera_width", 160)
+        rospy.set_param("simulation/camera_width", 96)
         self.add("simulation", node("tccm_monitor", "simulation_node", "simulation", "scan:=raw/scan",
                                     "joint_states:=raw/joint_states", "/tf:=raw/tf", "/clock:=raw/clock",
                                     "camera/depth/color/points:=raw/camera_cloud"))

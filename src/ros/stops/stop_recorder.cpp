@@ -61,8 +61,10 @@ ros::Duration lengthOf(const trajectory_msgs::JointTrajectory& trajectory) {
   return trajectory.points.empty() ? ros::Duration() : trajectory.points.back().time_from_start;
 }
 
+/// As for CommandedTrajectories::command(): one that names no joint concerns all.
 bool shareJoint(const trajectory_msgs::JointTrajectory& a,
                 const trajectory_msgs::JointTrajectory& b) {
+  if (a.joint_names.empty() || b.joint_names.empty()) return true;
   return std::find_first_of(a.joint_names.begin(), a.joint_names.end(), b.joint_names.begin(),
                             b.joint_names.end()) != a.joint_names.end();
 }
@@ -153,6 +155,7 @@ void StopRecorder::trajectory(Time now, const trajectory_msgs::JointTrajectory& 
 }
 
 void StopRecorder::forgetEnded(Time now) {
+  if (misunderstands_) return;  // until something else is commanded
   const ros::Time ros_now = toRos(now);
   for (std::size_t i = state_.trajectories.size(); i-- > 0;) {
     const auto& trajectory = state_.trajectories[i];
@@ -162,6 +165,12 @@ void StopRecorder::forgetEnded(Time now) {
     state_.trajectories.erase(state_.trajectories.begin() + static_cast<std::ptrdiff_t>(i));
     state_.commanded.erase(state_.commanded.begin() + static_cast<std::ptrdiff_t>(i));
   }
+}
+
+void StopRecorder::startAnew(Time now) {
+  state_.trajectories.clear();
+  state_.commanded.clear();
+  note(begin(Call::START_ANEW, now));
 }
 
 void StopRecorder::mapComes(Time now, const PublishedMap::ConstPtr& published, std::size_t sensor) {
@@ -217,6 +226,8 @@ void StopRecorder::fail(Time now, const Cause& cause, const Verdict& verdict) {
 }
 
 void StopRecorder::noteVerdict(Call& call, const Verdict& verdict) {
+  misunderstands_ =
+      std::count(verdict.reasons.begin(), verdict.reasons.end(), Reason::kBadTrajectory) > 0;
   call.level = static_cast<std::uint8_t>(verdict.level);
   call.reason = name(verdict.reason);
   call.link = verdict.link;

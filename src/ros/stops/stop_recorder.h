@@ -50,7 +50,7 @@ class StopRecorder {
   void trajectory(Time now, const trajectory_msgs::JointTrajectory& message);
   void compared(Time now) { note(begin(Call::COMPARE, now)); }
   void reset(Time now) { note(begin(Call::RESET, now)); }
-  void startAnew(Time now) { note(begin(Call::START_ANEW, now)); }
+  void startAnew(Time now);
   void mapComes(Time now, const PublishedMap::ConstPtr& published, std::size_t sensor);
   void commit();
   /// @param outside what the checker was told of itself. @param config as tuned; not changed.
@@ -109,6 +109,7 @@ class StopRecorder {
   std::vector<Call> waiting_;  ///< calls that follow it; the memory of others too
   std::size_t waits_ = 0;
   std::vector<std::optional<Time>> clouds_;  ///< by sensor: the last that was kept
+  bool misunderstands_ = false;  ///< the checker does, what was commanded
   bool was_permitted_ = false;
   bool stops_ = false;  ///< a stop is to be written
   std::string name_;
