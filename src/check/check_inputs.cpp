@@ -105,7 +105,7 @@ void CheckInputs::addScanReport(Time now, const ScanReport& report, std::size_t 
 }
 
 void CheckInputs::setMap(Time now, std::shared_ptr<const CuboidMap> map, std::size_t sensor) {
-  sensors_[sensor].setMap(now, std::move(map), config_);
+  sensors_[sensor].setMap(now, std::move(map));
   maps_changed_ = true;
   // What a verdict says of several sensors' cuboids counts them as they were at that check.
   if (sensors_.size() == 1) unite(now);

@@ -1,6 +1,7 @@
 #include "check/sensor_input.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/duration_text.h"
 #include "base/line_of.h"
@@ -62,14 +63,10 @@ void SensorInput::addScanReport(Time now, const ScanReport& report) {
   frame_change_ = report.detail;
 }
 
-void SensorInput::setMap(Time now, std::shared_ptr<const CuboidMap> map, const Limits& limits) {
+void SensorInput::setMap(Time now, std::shared_ptr<const CuboidMap> map) {
   if (map_ && map->stamp > map_->stamp) {
-    const double period = toSeconds(map->stamp - map_->stamp);
-    // One pause must not teach it to be patient.
-    scan_period_s_ = scan_period_s_
-                         ? 0.9 * *scan_period_s_ +
-                               0.1 * std::min(period, limits.scan_timeout_periods * *scan_period_s_)
-                         : period;
+    gaps_s_[gaps_++ % gaps_s_.size()] = toSeconds(map->stamp - map_->stamp);
+    measurePeriod();
   }
   // The same map again is no news of the sensor; what it was told to forget may be.
   const bool is_news = !map_ || map->stamp != map_->stamp || map->serial != map_->serial;
@@ -77,8 +74,19 @@ void SensorInput::setMap(Time now, std::shared_ptr<const CuboidMap> map, const L
   if (is_news) map_arrival_ = now;
 }
 
+/// Of the last few gaps, so that a pause is forgotten, and what came before these changes nothing.
+/// The longest do not count: one pause must not teach it to be patient.
+void SensorInput::measurePeriod() {
+  auto gaps = gaps_s_;
+  const std::size_t count = std::min(gaps_, gaps.size());
+  const auto quartile = gaps.begin() + static_cast<std::ptrdiff_t>(3 * (count - 1) / 4);
+  std::nth_element(gaps.begin(), quartile, gaps.begin() + static_cast<std::ptrdiff_t>(count));
+  scan_period_s_ = *quartile;
+}
+
 void SensorInput::reset() {
   map_.reset();
+  gaps_ = 0;
   scan_period_s_.reset();
   report_arrival_.reset();
   assembled_.reset();

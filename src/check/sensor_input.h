@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
@@ -40,7 +42,7 @@ class SensorInput {
   explicit SensorInput(Config config) : config_(std::move(config)) {}
 
   void addScanReport(Time now, const ScanReport& report);
-  void setMap(Time now, std::shared_ptr<const CuboidMap> map, const Limits& limits);
+  void setMap(Time now, std::shared_ptr<const CuboidMap> map);
   void reset();
 
   [[nodiscard]] const std::string& name() const { return config_.name; }
@@ -56,17 +58,20 @@ class SensorInput {
   [[nodiscard]] Duration silenceMax(const Limits& limits) const;
   [[nodiscard]] bool scansCome(const Question& question) const;
   void append(const Cause& cause, std::vector<Cause>& causes) const;
+  void measurePeriod();
 
   Config config_;
   std::shared_ptr<const CuboidMap> map_;
   Time map_arrival_;
-  std::optional<double> scan_period_s_;  ///< the mean of the recent ones
-  std::optional<Time> report_arrival_;   ///< the last that a scan came in
-  std::optional<Time> assembled_;        ///< when the last scan was
-  ScanReport last_report_;               ///< of the last scan that was assembled or dropped
-  std::optional<Time> frame_changed_;    ///< when a scan of another frame came last
-  std::string frame_change_;             ///< between which frames
-  std::string self_link_;                ///< the link that most returns are taken for
+  std::array<double, 9> gaps_s_ = {};  ///< between the last maps, in no order
+  std::size_t gaps_ = 0;               ///< that there were
+  std::optional<double> scan_period_s_;
+  std::optional<Time> report_arrival_;  ///< the last that a scan came in
+  std::optional<Time> assembled_;       ///< when the last scan was
+  ScanReport last_report_;              ///< of the last scan that was assembled or dropped
+  std::optional<Time> frame_changed_;   ///< when a scan of another frame came last
+  std::string frame_change_;            ///< between which frames
+  std::string self_link_;               ///< the link that most returns are taken for
 };
 
 }  // namespace tccm

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "support/checker_fixture.h"
 
 namespace tccm {
@@ -47,23 +49,59 @@ class CheckInputsTest : public test::CheckerFixture {
     return to;
   }
 
+  /// Nothing comes of the sensor. @param last its last map. @return how long until that is a fault.
+  double silenceAfter(
+      double last, const std::function<void(double)>& happen = [](double) {}) {
+    for (double now = last; now <= last + 1.0; now += 0.005) {
+      robot(now);
+      happen(now);
+      const Verdict& verdict = check(now);
+      if (verdict.reason == Reason::kClear) continue;
+      EXPECT_EQ(verdict.reason, Reason::kNoMap);
+      detail_ = verdict.detail;
+      return now - last;
+    }
+    ADD_FAILURE() << "it stayed clear";
+    return 0.0;
+  }
+
   Reason last_ = Reason::kClear;
   std::string detail_;
 };
 
 TEST_F(CheckInputsTest, WithoutAnyScanItIsAFaultAfterThreeScanPeriods) {
   runMapped(kStart, kStart + 0.5);
-  const double last = kStart + 0.475;
-  for (double now = last; now <= last + 0.3; now += 0.005) {
-    robot(now);
-    const Verdict& verdict = check(now);
-    if (verdict.reason == Reason::kClear) continue;
-    EXPECT_EQ(verdict.reason, Reason::kNoMap);
-    EXPECT_NE(verdict.detail.find("no scan for"), std::string::npos) << verdict.detail;
-    EXPECT_NEAR(now - last, 3.0 * kScanPeriod, 0.011);
-    return;
+  EXPECT_NEAR(silenceAfter(kStart + 0.475), 3.0 * kScanPeriod, 0.011);
+  EXPECT_NE(detail_.find("no scan for"), std::string::npos) << detail_;
+}
+
+TEST_F(CheckInputsTest, PausesDoNotTeachItToBePatientWithSilence) {
+  double begin = kStart;
+  for (const double pause : {0.2, 0.45, 2.0}) {
+    runMapped(begin, begin + 0.5);
+    begin += 0.475 + pause;
   }
-  FAIL() << "it stayed clear";
+  runMapped(begin, begin + 0.5);
+  EXPECT_NEAR(silenceAfter(begin + 0.475), 3.0 * kScanPeriod, 0.011);
+}
+
+TEST_F(CheckInputsTest, OneOfTwoPausesInAFewScansIsNotTakenForTheirPeriod) {
+  runMapped(kStart, kStart + 0.5);
+  runMapped(kStart + 0.6, kStart + 0.65);
+  runMapped(kStart + 0.8, kStart + 0.875);
+  EXPECT_NEAR(silenceAfter(kStart + 0.85), 3.0 * kScanPeriod, 0.011);
+}
+
+TEST_F(CheckInputsTest, ScansThatComeMoreSlowlyAreWaitedForAccordingly) {
+  runMapped(kStart, kStart + 0.5);
+  double last = kStart + 0.475;
+  for (int i = 0; i < 9; ++i) {
+    last += 4.0 * kScanPeriod;
+    report(last, Outcome::kWaiting);
+    report(last, Outcome::kAssembled);
+    feedAndCheck(last, clear_);
+  }
+  EXPECT_NEAR(silenceAfter(last), 12.0 * kScanPeriod, 0.011);
 }
 
 TEST_F(CheckInputsTest, ScansThatAreAllBlindAreNamedAfterThreeScanPeriods) {
@@ -162,16 +200,8 @@ TEST_F(CheckInputsTest, AMapThatComesAgainIsNoNews) {
   same->stamp = at(last);
   same->serial = checker_->map()->serial;
   test::refreshLooks(*same);
-  for (double now = last; now <= last + 0.3; now += 0.005) {
-    robot(now);
-    checker_->setMap(at(now), same);
-    const Verdict& verdict = check(now);
-    if (verdict.reason == Reason::kClear) continue;
-    EXPECT_EQ(verdict.reason, Reason::kNoMap);
-    EXPECT_NEAR(now - last, 3.0 * kScanPeriod, 0.011);
-    return;
-  }
-  FAIL() << "it stayed clear";
+  EXPECT_NEAR(silenceAfter(last, [&](double now) { checker_->setMap(at(now), same); }),
+              3.0 * kScanPeriod, 0.011);
 }
 
 TEST_F(CheckInputsTest, TheJointThatIsSilentIsNamedWithItsSilence) {
