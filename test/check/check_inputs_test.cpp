@@ -193,6 +193,25 @@ TEST_F(CheckInputsTest, ABodyFilterThatTakesNearlyAllIsBlindNamingTheLink) {
   }
 }
 
+TEST_F(CheckInputsTest, WhatIsKnownFromOutsideToBeWrongStopsTheRobotWhileItLasts) {
+  runMapped(kStart, kStart + 0.5);
+  checker_->setOutsideCause({Reason::kCheckLate, "the last check took too long"});
+  const Verdict& verdict = feedAndCheck(kStart + 0.5, clear_);
+  EXPECT_EQ(verdict.reason, Reason::kCheckLate);
+  EXPECT_EQ(verdict.detail, "the last check took too long");
+  checker_->setOutsideCause({});
+  runMapped(kStart + 0.525, kStart + 2.0);
+  EXPECT_EQ(feedAndCheck(kStart + 2.0, clear_).reason, Reason::kClear);
+}
+
+TEST_F(CheckInputsTest, ATiltThatStandsStillIsAFault) {
+  CuboidMap stands = clear_;
+  stands.tilt_stopped = true;
+  const Verdict& verdict = feedAndCheck(kStart, stands);
+  EXPECT_EQ(verdict.reason, Reason::kSweepIncomplete);
+  EXPECT_TRUE(verdict.stop);
+}
+
 TEST_F(CheckInputsTest, AMapThatComesAgainIsNoNews) {
   runMapped(kStart, kStart + 0.5);
   const double last = kStart + 0.475;

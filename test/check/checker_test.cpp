@@ -244,6 +244,23 @@ TEST_F(CheckerTest, AVelocityThatLeadsBehindTheShelfIsAnOcclusionAhead) {
   EXPECT_EQ(feedAndCheck(kStart + 0.01, map, 0.1, 1.4).reason, Reason::kOcclusionAhead);
 }
 
+/// The hand is hidden as far as 0.49 m, the other from 0.5 m on.
+TEST_F(CheckerTest, WhileOneLinkComesOutOfItsHidingPlaceNoOtherMayBeHidden) {
+  CuboidMap map = clear_;
+  test::addBlock(map, {Vector3(-0.2, -0.2, 0.78), Vector3(0.35, 0.2, 0.80)});
+  test::addBlock(map, {Vector3(0.36, 0.22, 0.78), Vector3(1.2, 0.5, 0.80)});
+  test::lookAround(map);
+  const auto judged = [&](double other_speed) {
+    remake();
+    setRoot(kStart);
+    checker_->addJoints(at(kStart), at(kStart), {"slide", "glide"}, {0.3, 0.2}, {1.2, other_speed});
+    setMap(kStart, map);
+    return check(kStart);
+  };
+  EXPECT_EQ(judged(0.0).reason, Reason::kMovingOut);
+  EXPECT_EQ(judged(1.2).reason, Reason::kOcclusion);
+}
+
 TEST_F(CheckerTest, ThePoseAheadIsClampedToTheJointsLimits) {
   CuboidMap map = clear_;
   test::addBlock(map, {Vector3(1.2, -0.2, 0.3), Vector3(1.4, 0.2, 0.7)});

@@ -50,6 +50,23 @@ class EvidenceCheckTest : public ::testing::Test {
     lookOnly(passes, [](double) { return true; });
   }
 
+  /// Of a robot whose sliders go from 0.3 m on to these ends.
+  Causes judge(double now, const std::vector<double>& end) {
+    const std::vector<Pose> roots{Pose::Identity()};
+    PoseCheck here(test::checked(model_), 1.5), ahead(here);
+    here.place({0.3, 0.3}, roots);
+    ahead.place(end, roots);
+    const JointSnapshot joints{at(now), at(now), {0.3, 0.3}, {0.0, 0.0}};
+    CommandedTrajectories commanded(model_, {});
+    const PoseFindings nothing;
+    const Braking braking;
+    Causes causes;
+    check_.judge(
+        {at(now), map_, joints, commanded, here, ahead, nothing, nothing, braking, true, 1.0},
+        causes);
+    return causes;
+  }
+
   const std::shared_ptr<const RobotModel> model_ = test::sliderModel();
   EvidenceCheck::Config config_;
   CuboidMap map_ = test::emptyMap();
@@ -90,21 +107,10 @@ TEST_F(EvidenceCheckTest, WhereNobodyLookedAllThatALinkGoesThroughIsUnseen) {
 /// Both links go through what nobody saw, one of them further.
 TEST_F(EvidenceCheckTest, TheLinkMostOfWhoseWayIsUnseenIsNamed) {
   lookEverywhere({});
-  const std::vector<Pose> roots{Pose::Identity()};
-  PoseCheck here(test::checked(model_), 1.5), ahead(here);
-  here.place({0.3, 0.3}, roots);
-  const JointSnapshot joints{at(10.5), at(10.5), {0.3, 0.3}, {0.0, 0.0}};
-  CommandedTrajectories commanded(model_, {});
-  const PoseFindings nothing;
-  const Braking braking;
   for (const std::size_t further : {0U, 1U}) {
     std::vector<double> end{0.34, 0.34};
     end[further] = 0.6;
-    ahead.place(end, roots);
-    Causes causes;
-    check_.judge(
-        {at(10.5), map_, joints, commanded, here, ahead, nothing, nothing, braking, true, 1.0},
-        causes);
+    const Causes causes = judge(10.5, end);
     ASSERT_EQ(causes.size(), 1U);
     EXPECT_EQ(causes[0].reason, Reason::kUnseenAhead);
     const bool is_hand = model_->variables()[further].name == "slide";
@@ -143,6 +149,31 @@ TEST_F(EvidenceCheckTest, EvidenceGrowsOldAndThenTooOld) {
   EXPECT_EQ(old.links[0].old_fraction, 1.0);
   EXPECT_EQ(old.links[0].lost_fraction, 0.0);
   EXPECT_EQ(find(10.5 + 2.51 * kPeriod, 0.0).links[0].lost_fraction, 1.0);
+}
+
+TEST_F(EvidenceCheckTest, OldEvidenceSlowsTheRobotDownAndLostEvidenceStopsIt) {
+  const std::vector<double> stands{0.3, 0.3};
+  EXPECT_TRUE(judge(10.5 + 1.49 * kPeriod, stands).empty());
+  const Causes old = judge(10.5 + 1.51 * kPeriod, stands);
+  ASSERT_EQ(old.size(), 1U);
+  EXPECT_EQ(old[0].reason, Reason::kEvidenceOld);
+  EXPECT_EQ(old[0].level, Level::kSlow);
+  const Causes lost = judge(10.5 + 2.51 * kPeriod, stands);
+  ASSERT_EQ(lost.size(), 1U);
+  EXPECT_EQ(lost[0].reason, Reason::kEvidenceOld);
+  EXPECT_EQ(lost[0].level, Level::kStop);
+}
+
+TEST_F(EvidenceCheckTest, WhatIsUnseenSlowsTheRobotDownOrStopsItWhereThatIsWanted) {
+  lookEverywhere({});
+  for (const bool stops : {false, true}) {
+    config_.unseen_stops = stops;
+    check_ = EvidenceCheck(test::checked(model_), config_);
+    const Causes causes = judge(10.5, {0.6, 0.6});
+    ASSERT_EQ(causes.size(), 1U);
+    EXPECT_EQ(causes[0].reason, Reason::kUnseenAhead);
+    EXPECT_EQ(causes[0].level, stops ? Level::kStop : Level::kSlow);
+  }
 }
 
 TEST_F(EvidenceCheckTest, TheAgeGoesOnGrowingUntilThePlaceIsLookedAtAgain) {

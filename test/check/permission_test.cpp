@@ -284,6 +284,15 @@ TEST_F(PermissionTest, WithoutHoldingACollisionReleasesLikeAContactAhead) {
   EXPECT_EQ(reasonUntil(101.6, {}), Reason::kClear);
 }
 
+TEST_F(PermissionTest, TheReleaseBeginsOnceTheRobotHasMovedOut) {
+  config_.hold_until_reset = false;
+  permission_.reconfigure(config_);
+  decideUntil(100.5, {kTouches});
+  decideUntil(105.0, {kMovesOut}, 0.2);
+  EXPECT_EQ(reasonUntil(105.9, {}), Reason::kReleasing);
+  EXPECT_EQ(reasonUntil(106.1, {}), Reason::kClear);
+}
+
 TEST_F(PermissionTest, InitNeedsNoResetAndDoesNotCountTowardsTheRelease) {
   decideUntil(100.5, {kAhead});
   decideUntil(105.0, {kInit});

@@ -63,8 +63,9 @@ inline void requirePoints(const Cloud& cloud, const CloudStage::Config& config,
   for (std::size_t i = 0; i < kinds.size(); ++i) {
     ++counts.at(static_cast<std::size_t>(kinds[i]));
     const double range = cloud.points[i].cast<double>().norm();
-    const bool is_within =
-        range >= config.range_min_m * (1.0 + 1e-6) && range <= config.range_max_m * (1.0 - 1e-6);
+    const bool is_within = range > 1e-18 &&  // at 0 there is no measurement
+                           range >= config.range_min_m * (1.0 + 1e-6) &&
+                           range <= config.range_max_m * (1.0 - 1e-6);
     const bool is_outside =
         !(range >= config.range_min_m * (1.0 - 1e-6) && range <= config.range_max_m * (1.0 + 1e-6));
     const bool is_none = kinds[i] == BeamKind::kUnknown || kinds[i] == BeamKind::kTooClose;

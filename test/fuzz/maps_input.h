@@ -79,18 +79,16 @@ inline Verdict judged(const MapScene& scene, const CuboidMap& map, Duration age,
 
 /// Where shares are compared, or a link comes out of where it is hidden, more may be milder: see
 /// docs/failures.md, Limits.
-inline bool mayBeMilder(const Verdict& verdict) {
-  return std::any_of(verdict.reasons.begin(), verdict.reasons.end(), [](Reason reason) {
-    return reason == Reason::kOcclusion || reason == Reason::kOcclusionAhead ||
-           reason == Reason::kUnseenAhead || reason == Reason::kEvidenceOld;
-  });
+inline bool isByShare(Reason reason) {
+  return reason == Reason::kOcclusion || reason == Reason::kOcclusionAhead ||
+         reason == Reason::kUnseenAhead || reason == Reason::kEvidenceOld;
 }
 
 inline void requireNeverMilder(const std::string& what, const Verdict& one, const Verdict& more) {
-  if (mayBeMilder(one)) return;
   const std::string told = what + ": " + name(one.reason) + " (" + one.detail + ") becomes " +
                            name(more.reason) + " (" + more.detail + ")";
-  promise(more.level >= one.level, told);
+  promise(isByShare(one.reason) || more.level >= one.level, told);
+  if (std::any_of(one.reasons.begin(), one.reasons.end(), isByShare)) return;
   promise(more.speed_scale <= one.speed_scale + 1e-9,
           told + ", scale " + std::to_string(one.speed_scale) + " becomes " +
               std::to_string(more.speed_scale));

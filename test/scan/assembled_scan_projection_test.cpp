@@ -100,6 +100,14 @@ TEST(ProjectionTest, RangesAreSortedByRep117AndTheLimits) {
   }
 }
 
+TEST(ProjectionTest, ARangeOfZeroIsNoneAlsoWhereRangesMayBeAsShort) {
+  LaserScan scan = scanOf({0.0F, 0.001F});
+  scan.range_min = 0.0;
+  const AssembledScan result = projected(scan, still(Pose::Identity()));
+  EXPECT_EQ(result.beams[0].kind, K::kTooClose);
+  EXPECT_EQ(result.beams[1].kind, K::kReturn);
+}
+
 TEST(ProjectionTest, ARangeAtALimitThatNoDoubleNamesExactlyIsStillAtTheLimit) {
   LaserScan scan = scanOf({5.6F, std::nextafter(5.6F, 0.0F)});
   scan.range_max = 5.6;  // below the float's value
@@ -276,6 +284,12 @@ TEST(DefectTest, WhatNoFloatHoldsIsNoRangeAndNoAngle) {
 
 TEST(DefectTest, ANegativeTimeIncrementIsNamed) {
   EXPECT_NE(defectOf(scanOf({1.0F}, -0.001), 10).find("time_increment"), std::string::npos);
+}
+
+TEST(DefectTest, AScanThatTakesLongerThanASecondIsNamed) {
+  EXPECT_EQ(defectOf(scanOf({1.0F, 1.0F, 1.0F}, 0.5), 10), "");
+  const std::string defect = defectOf(scanOf({1.0F, 1.0F, 1.0F}, 0.51), 10);
+  EXPECT_NE(defect.find("at most 1 s"), std::string::npos) << defect;
 }
 
 /// As drivers send it: rounded to floats, the last beam's angle or the end of the field of view.

@@ -11,6 +11,8 @@ from roslib.packages import find_node
 PAGE_KB = os.sysconf("SC_PAGE_SIZE") // 1024
 END_S = 5.0  # that a program has until it is killed
 SETTLES_S = 60.0  # after which memory has to stay
+# glibc gives back what was freed, so that memory is what is used: else it keeps the most that it ever was, in pieces.
+MALLOC = {"MALLOC_ARENA_MAX": "2", "MALLOC_MMAP_THRESHOLD_": "65536", "MALLOC_TRIM_THRESHOLD_": "131072"}
 
 
 def rss_kb(pid):
@@ -35,7 +37,8 @@ class Program:
     def start(self):
         with open(self.log, "ab") as log:
             self.process = subprocess.Popen(self.command, stdout=log, stderr=subprocess.STDOUT,
-                                            stdin=subprocess.DEVNULL, start_new_session=True)
+                                            stdin=subprocess.DEVNULL, start_new_session=True,
+                                            env={**os.environ, **MALLOC})
         self.started, self.settled_kb, self.down = time.monotonic(), None, False
 
     def signal(self, number):

@@ -39,7 +39,7 @@ class System:
 
     def __init__(self, folder, options):
         self.folder, self.seed, self.sensors, self.stops_max = folder, options.seed, options.sensors, options.stops
-        self.clock = options.clock
+        self.clock, self.sanitizer = options.clock, options.sanitizer
         self.stops = folder / "stops"
         self.stops.mkdir(parents=True, exist_ok=True)
         self.has_small_disk = self.stops_max <= STOPS_FEW and subprocess.run(
@@ -48,6 +48,8 @@ class System:
         self.programs = {}
 
     def add(self, name, command):
+        if self.sanitizer and name != "master":
+            command = ["env", f"LD_PRELOAD={self.sanitizer}", *command]
         self.programs[name] = Program(name, command, self.folder / f"{name}.log")
 
     def start_master(self):
