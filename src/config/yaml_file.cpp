@@ -176,7 +176,7 @@ void requireUnambiguous(const std::string& text, const std::string& name) {
     }
   } catch (const YAML::Exception& error) {
     throw ConfigError(name + ": line " + std::to_string(error.mark.line + 1) +
-                      ": it is no YAML: " + error.msg);
+                      ": it is no YAML: " + printable(error.msg));
   }
 }
 

@@ -137,8 +137,9 @@ TransformHistory::Lookup TransformHistory::at(const std::string& target, const s
   });
   if (is_missing) return {status, Pose::Identity()};
   try {
-    return {Status::kFound,
-            Pose(tf2::transformToEigen(buffer_.lookupTransform(target, source, toRos(stamp))))};
+    const Pose pose(tf2::transformToEigen(buffer_.lookupTransform(target, source, toRos(stamp))));
+    // tf2 refuses NaN alone; of huge numbers it makes infinite ones.
+    return {pose.matrix().allFinite() ? Status::kFound : Status::kNever, pose};
   } catch (const tf2::ExtrapolationException&) {
     return {Status::kNever, Pose::Identity()};
   } catch (const tf2::TransformException&) {
@@ -168,8 +169,9 @@ std::optional<TransformHistory::Newest> TransformHistory::newest(const std::stri
   try {
     const auto transform = buffer_.lookupTransform(target, source, ros::Time(0));
     const bool is_moving = visitMoving(target, source, [](const Frame&) { return true; });
-    return Newest{toTime(transform.header.stamp), Pose(tf2::transformToEigen(transform)),
-                  !is_moving};
+    const Pose pose(tf2::transformToEigen(transform));
+    if (!pose.matrix().allFinite()) return std::nullopt;
+    return Newest{toTime(transform.header.stamp), pose, !is_moving};
   } catch (const tf2::TransformException&) {
     return std::nullopt;
   }

@@ -133,6 +133,14 @@ TEST(YamlFileTest, AMergeKeyIsRefused) {
   }
 }
 
+TEST(YamlFileTest, WhatTheParserQuotesIsMadeFitForOneLine) {
+  const std::string message = errorOf("checker: \"\\\b\"\n");
+  EXPECT_TRUE(names(message, "it is no YAML")) << message;
+  EXPECT_TRUE(std::none_of(message.begin(), message.end(), [](unsigned char c) {
+    return c < 0x20U || c == 0x7fU;
+  })) << message;
+}
+
 TEST(YamlFileTest, ATabIsRefused) {
   for (unsigned seed = 0; seed < kMembers; ++seed) {
     SomeConfig config(seed);

@@ -29,7 +29,8 @@ inline MonitorConfig readConfigText(const std::string& text) {
 inline std::map<std::string, std::string> valuesOf(MonitorConfig config) {
   std::map<std::string, std::string> values;
   config.visitSections([&values](const std::string& name, auto& section, const std::string&) {
-    for (const auto& row : tableOf(section).rows()) {
+    const ParameterTable table = tableOf(section);
+    for (const auto& row : table.rows()) {
       values[name + "/" + row.key] = textOf(row.member);
     }
   });

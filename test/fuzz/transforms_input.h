@@ -84,6 +84,22 @@ class HeardTransforms {
            std::all_of(found->second.begin(), found->second.end(),
                        [&](const Heard& heard) { return heard.parent == parent; });
   }
+  /// Whether it was ever said, over however many frames, to hang below the other: then the way from
+  /// one to the other may be another.
+  [[nodiscard]] bool wasBelow(const std::string& frame, const std::string& other) const {
+    std::vector<std::string> found{frame};
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const auto parents = heard_.find(found[i]);
+      if (parents == heard_.end()) continue;
+      for (const Heard& heard : parents->second) {
+        if (heard.parent == other) return true;
+        if (std::count(found.begin(), found.end(), heard.parent) == 0) {
+          found.push_back(heard.parent);
+        }
+      }
+    }
+    return false;
+  }
 
  private:
   struct Heard {
@@ -104,6 +120,7 @@ inline void requireLookup(const TransformHistory& history, const HeardTransforms
   if (found.status != Status::kFound) return;
   promise(found.pose.matrix().allFinite(), "a pose is not finite");
   if (target == source || !heard.isChildOf(source, target)) return;
+  if (heard.wasBelow(target, source)) return;
   promise(heard.isAround(source, stamp, gap_max), "a pose is found where nothing was heard");
   const UprightBox places = heard.placesOf(source, target);
   const Vector3 place = found.pose.translation();

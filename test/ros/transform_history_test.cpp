@@ -250,6 +250,21 @@ TEST_F(TransformHistoryTest, TheNewestPoseSaysItsStampAndWhetherItMoves) {
   EXPECT_TRUE(history_.newest("base", "base")->is_static);
 }
 
+TEST_F(TransformHistoryTest, WhatComesOfHugeNumbersIsNoPose) {
+  for (const double x : {0.9 * std::numeric_limits<double>::max(), HUGE_VAL}) {
+    history_.clear();
+    for (const double stamp : {1.0, 1.05}) {
+      move("map", "base", stamp, x);
+      move("base", "laser", stamp, x);
+    }
+    EXPECT_EQ(statusAt("map", "laser", 1.02), Status::kNever) << x;
+    EXPECT_FALSE(history_.newest("map", "laser")) << x;
+    PosePath path;
+    EXPECT_NE(history_.path("map", "laser", at(1.0), at(1.05), fromSeconds(0.01), path),
+              Status::kFound);
+  }
+}
+
 TEST_F(TransformHistoryTest, WhatIsOlderThanKeptIsForgotten) {
   for (int i = 0; i <= 300; ++i) move("base", "laser", 1.0 + 0.05 * i, 0.0);
   EXPECT_EQ(statusAt("base", "laser", 2.0), Status::kNever);
