@@ -37,7 +37,7 @@ import system  # noqa: E402
 
 STARTS_S = 60.0  # that all has to come up
 TWO_AT_ONCE = 0.5  # the share of episodes with two faults
-PAUSES_S = (0.2, 1.4)  # of sound work between two episodes
+PAUSES_S = (0.5, 2.5)  # of sound work between two episodes
 SILENT_S = 1.0  # between permissions, where nobody was to be silent
 LATE_S = 4.0  # that a busy machine may add to a release
 QUIETS = {"processor", "checker", "master"}  # faults of what speaks

@@ -109,7 +109,7 @@ class StopRecorder {
   std::vector<Call> waiting_;  ///< calls that follow it; the memory of others too
   std::size_t waits_ = 0;
   std::vector<std::optional<Time>> clouds_;  ///< by sensor: the last that was kept
-  bool misunderstands_ = false;  ///< the checker does, what was commanded
+  bool misunderstands_ = false;              ///< the checker does, what was commanded
   bool was_permitted_ = false;
   bool stops_ = false;  ///< a stop is to be written
   std::string name_;
