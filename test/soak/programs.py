@@ -30,7 +30,7 @@ class Program:
     def __init__(self, name, command, log):
         self.name, self.command, self.log = name, command, log
         self.process, self.started, self.down = None, 0.0, False
-        self.settled_kb = None  # once it has run for SETTLES_S
+        self.first_kb = 0  # the most that it had in its first SETTLES_S
         self.grown_kb, self.lived_s = 0, 0.0  # of the life in which it grew most; the longest life
         self.crashes = []
 
@@ -39,7 +39,7 @@ class Program:
             self.process = subprocess.Popen(self.command, stdout=log, stderr=subprocess.STDOUT,
                                             stdin=subprocess.DEVNULL, start_new_session=True,
                                             env={**os.environ, **MALLOC})
-        self.started, self.settled_kb, self.down = time.monotonic(), None, False
+        self.started, self.first_kb, self.down = time.monotonic(), 0, False
 
     def signal(self, number):
         self.process.send_signal(number)
@@ -81,9 +81,10 @@ class Program:
             return status
         lived_s = time.monotonic() - self.started
         kilobytes = rss_kb(self.process.pid)
-        if kilobytes and lived_s > SETTLES_S:
-            self.settled_kb = kilobytes if self.settled_kb is None else self.settled_kb
-            self.grown_kb = max(self.grown_kb, kilobytes - self.settled_kb)
+        if kilobytes and lived_s <= SETTLES_S:
+            self.first_kb = max(self.first_kb, kilobytes)
+        elif kilobytes:
+            self.grown_kb = max(self.grown_kb, kilobytes - self.first_kb)
             self.lived_s = max(self.lived_s, lived_s)
         return None
 

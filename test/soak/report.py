@@ -77,9 +77,9 @@ def latencies(soak):
 
 def result(soak):
     tally = soak.tally
-    memory = {program.name: {"settled_kb": program.settled_kb, "grown_kb": program.grown_kb,
+    memory = {program.name: {"first_kb": program.first_kb, "grown_kb": program.grown_kb,
                              "lived_s": round(program.lived_s, 1)}
-              for program in soak.system.programs.values() if program.settled_kb is not None}
+              for program in soak.system.programs.values() if program.lived_s > 0.0}
     latency = latencies(soak)
     hung = [{"begun_s": at - soak.begun} for at in soak.client.hung]
     # Over short parts the 99th percentile is a matter of chance.
@@ -109,7 +109,7 @@ def print_table(all_):
           f"{all_['had_to_stop']} had to stop the robot; goals: {all_['goals']['done']} done, "
           f"{all_['goals']['failed']} not; {all_['resets']} resets")
     for name, row in all_["memory"].items():
-        print(f"memory   {name:18s} {row['settled_kb']:7d} kB, grew by {row['grown_kb']:5d} kB in a life of "
+        print(f"memory   {name:18s} {row['first_kb']:7d} kB at most in its first minute, grew by {row['grown_kb']:5d} kB in a life of "
               f"{row['lived_s']:.0f} s")
     if all_["latency"]:
         row = all_["latency"]

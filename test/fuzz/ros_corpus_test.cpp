@@ -1,4 +1,4 @@
-/// Inputs that fuzzing found, replayed: of what reads messages. See fuzz/corpus_test.cpp.
+/// Inputs that fuzzing found, replayed: of what reads messages. See corpus_test.cpp.
 
 #include <gtest/gtest.h>
 
