@@ -40,6 +40,7 @@ TWO_AT_ONCE = 0.5  # the share of episodes with two faults
 PAUSES_S = (0.5, 2.5)  # of sound work between two episodes
 SILENT_S = 1.0  # between permissions, where nobody was to be silent
 LATE_S = 4.0  # that a busy machine may add to a release
+SENSORS = {"scan", "laser_assembler", "laser_mapper", "camera_cloud", "camera_assembler", "camera_mapper"}
 QUIETS = {"processor", "checker", "master"}  # faults of what speaks
 VALID_S = 0.06
 
@@ -247,10 +248,11 @@ class Soak:
 
 
 def limits_of(drawn):
-    """Of two at once one may hide the other, as scans are waited for where transforms are missing, until the map is too
-    old. @return by name"""
+    """Of two at once one may hide that a sensor's map is missing, as scans are waited for where transforms are, until the
+    map is too old. @return by name"""
     least = faults.MAP_AGE_S + faults.LATE_S if len(drawn) > 1 else 0.0
-    return {fault.name: fault.limit and max(fault.limit, least) for fault in drawn}
+    return {fault.name: max(fault.limit, least) if fault.limit and fault.touches & SENSORS else fault.limit
+            for fault in drawn}
 
 
 def chosen_kinds(options):

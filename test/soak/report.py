@@ -109,8 +109,8 @@ def print_table(all_):
           f"{all_['had_to_stop']} had to stop the robot; goals: {all_['goals']['done']} done, "
           f"{all_['goals']['failed']} not; {all_['resets']} resets")
     for name, row in all_["memory"].items():
-        print(f"memory   {name:18s} {row['first_kb']:7d} kB at most in its first minute, grew by {row['grown_kb']:5d} kB in a life of "
-              f"{row['lived_s']:.0f} s")
+        print(f"memory   {name:18s} {row['first_kb']:7d} kB at most in its first minute, grew by {row['grown_kb']:5d} kB "
+              f"in a life of {row['lived_s']:.0f} s")
     if all_["latency"]:
         row = all_["latency"]
         print(f"latency  p99 from ready to permission: first {row['part_s']:.0f} s {1e3 * row['first_p99_s']:.2f} ms, "
