@@ -157,35 +157,6 @@ TEST_F(ContactJudgeTest, APostAheadDoesNotHideAWallWithinTheMargin) {
   EXPECT_FALSE(verdict.first_contact->by_margin);
 }
 
-/// The hand has a wall within its margin late, the other touches one earlier.
-TEST_F(ContactJudgeTest, WhatComesTooNearDoesNotDecideTheScaleWhereAContactAsksForLess) {
-  CuboidMap beside = clear_, before = clear_, both = clear_;
-  for (CuboidMap* map : {&beside, &both}) {
-    test::addBlock(*map, {Vector3(0.165, 0.101, 0.3), Vector3(0.6, 0.19, 0.7)});
-  }
-  for (CuboidMap* map : {&before, &both}) {
-    test::addBlock(*map, {Vector3(0.8, 0.3, 0.0), Vector3(0.9, 0.7, 0.7)});
-  }
-  const auto judged = [this](const CuboidMap& map) {
-    remake();
-    checker_->setLatency(0.03);
-    for (const double now : {kStart - 0.2, kStart}) {
-      const double x = 0.3 * (now - kStart);
-      setRoot(now);
-      checker_->addJoints(at(now), at(now), {"slide", "glide"},
-                          {x, x + kTouches + 1e-4 - 0.445 * 0.3}, {0.3, 0.3});
-      setMap(now, now < kStart ? clear_ : map);
-      check(now);
-    }
-    return check(kStart);
-  };
-  const Verdict near = judged(beside), touch = judged(before), verdict = judged(both);
-  EXPECT_EQ(near.level, Level::kSlow);
-  EXPECT_EQ(touch.level, Level::kSlow);
-  ASSERT_LT(touch.speed_scale, near.speed_scale);
-  EXPECT_EQ(verdict.speed_scale, touch.speed_scale);
-}
-
 /// Of the other, which may slide far.
 TEST_F(ContactJudgeTest, AFastLinkIsLookedAlongAsFarAsHaltingTakes) {
   config_.evidence.unseen_fraction_max = 1.0;
