@@ -22,15 +22,29 @@ constexpr Duration kJumpBack = std::chrono::seconds(1);  // more is time beginni
 constexpr Duration kKept = std::chrono::seconds(tf2::BufferCore::DEFAULT_CACHE_TIME);
 constexpr Duration kKeptBeforeTidied = kKept * 5 / 4;
 
-/// Quaternions are often written with three digits. tf2 takes those for rotations and refuses what
-/// is further off, which is left as it is here.
-void normalize(geometry_msgs::Quaternion& q) {
+/// Quaternions are often written with three digits. What is further off is no rotation.
+/// @return whether it is one.
+bool normalize(geometry_msgs::Quaternion& q) {
   const double length = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
-  if (!(std::abs(length - 1.0) < 5e-3)) return;
+  if (!(std::abs(length - 1.0) < 5e-3)) return false;
   q.x /= length;
   q.y /= length;
   q.z /= length;
   q.w /= length;
+  return true;
+}
+
+/// Normalizes the rotation. @return why it is no transform, or nothing. tf2 would refuse it too,
+/// but prints lines for each: thousands a second where a publisher goes wrong.
+const char* whyRefused(geometry_msgs::TransformStamped& transform) {
+  const std::string& parent = transform.header.frame_id;
+  const geometry_msgs::Vector3& shift = transform.transform.translation;
+  if (parent.empty() || transform.child_frame_id.empty()) return "it names no frame";
+  if (parent == transform.child_frame_id) return "its frame is its own parent";
+  if (!std::isfinite(shift.x) || !std::isfinite(shift.y) || !std::isfinite(shift.z)) {
+    return "its translation is not finite";
+  }
+  return normalize(transform.transform.rotation) ? nullptr : "its quaternion is not of length 1";
 }
 
 }  // namespace
@@ -41,16 +55,26 @@ void TransformHistory::add(const tf2_msgs::TFMessage& message, bool is_static) {
     transform_.header.frame_id = bareName(heard.header.frame_id);
     transform_.child_frame_id = bareName(heard.child_frame_id);
     transform_.transform = heard.transform;
-    normalize(transform_.transform.rotation);
     const Frame* parent = frameOf(transform_.header.frame_id);
     Frame* frame = frameOf(transform_.child_frame_id);
     if (!parent || !frame) {
       ++passed_over_;
       continue;
     }
+    if (const char* const why = whyRefused(transform_)) {
+      ++refused_;
+      why_refused_ = why;
+      refused_frame_ = transform_.child_frame_id;
+      continue;
+    }
     const Time stamp = toTime(transform_.header.stamp);
     std::vector<Time>& stamps = frame->stamps;
     if (!is_static && !stamps.empty() && stamps.back() - stamp > kJumpBack) clear();
+    // Of those of one stamp tf2 keeps the first, and prints lines for each of the others.
+    if (!is_static && frame->parent == parent &&
+        std::binary_search(stamps.begin(), stamps.end(), stamp)) {
+      continue;
+    }
     if (!buffer_.setTransform(transform_, "tccm_monitor", is_static)) continue;
     // Nothing is interpolated from one parent to another.
     if (frame->parent != parent) stamps.clear();
@@ -74,11 +98,15 @@ TransformHistory::Frame* TransformHistory::frameOf(const std::string& name) {
 }
 
 std::string TransformHistory::defect() const {
-  if (passed_over_ == 0) return "";
-  return lineOf(
-      "%zu transforms were passed over: there are more than %zu frame names; see who "
-      "publishes ever new ones on /tf",
-      passed_over_, kNamesMax);
+  if (passed_over_ > 0) {
+    return lineOf(
+        "%zu transforms were passed over: there are more than %zu frame names; see who "
+        "publishes ever new ones on /tf",
+        passed_over_, kNamesMax);
+  }
+  if (refused_ == 0) return "";
+  return lineOf("%zu transforms were refused, at last that of %.100s: %s; see who publishes it",
+                refused_, refused_frame_.c_str(), why_refused_);
 }
 
 void TransformHistory::clear() {
@@ -138,7 +166,7 @@ TransformHistory::Lookup TransformHistory::at(const std::string& target, const s
   if (is_missing) return {status, Pose::Identity()};
   try {
     const Pose pose(tf2::transformToEigen(buffer_.lookupTransform(target, source, toRos(stamp))));
-    // tf2 refuses NaN alone; of huge numbers it makes infinite ones.
+    // Of huge numbers tf2 makes infinite ones.
     return {pose.matrix().allFinite() ? Status::kFound : Status::kNever, pose};
   } catch (const tf2::ExtrapolationException&) {
     return {Status::kNever, Pose::Identity()};

@@ -23,13 +23,15 @@ class TransformHistory {
   explicit TransformHistory(Duration gap_max) : gap_max_(gap_max) {}
 
   /// Where stamps jump back by more than a second, all but static transforms are forgotten.
-  /// Frames may start with a slash. Transforms that tf2 refuses (NaN, no child) are passed over.
+  /// Frames may start with a slash. What is no transform (NaN, a quaternion of another length than
+  /// 1, no child) is refused and counted; of several of one frame and stamp the first holds, as in
+  /// tf2.
   void add(const tf2_msgs::TFMessage& message, bool is_static);
   void clear();
   /// Whether any transform, to it or from it, was heard of.
   [[nodiscard]] bool hasFrame(const std::string& frame) const { return frames_.count(frame) > 0; }
-  /// Why transforms were passed over, for people: of frames' names only so many are known, as tf2
-  /// never forgets one. Empty where none was.
+  /// Why transforms were passed over or refused, for people: of frames' names only so many are
+  /// known, as tf2 never forgets one. Empty where none was.
   [[nodiscard]] std::string defect() const;
 
   /// How a lookup ended.
@@ -90,6 +92,9 @@ class TransformHistory {
   std::map<std::string, Frame> frames_;        ///< never taken out, as in tf2
   geometry_msgs::TransformStamped transform_;  ///< as handed to tf2, reused
   std::size_t passed_over_ = 0;
+  std::size_t refused_ = 0;
+  const char* why_refused_ = "";  ///< the last one
+  std::string refused_frame_;
 };
 
 /// Feeds a history from /tf and /tf_static, in the callback queue of the node it is given: no

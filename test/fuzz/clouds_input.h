@@ -37,11 +37,12 @@ inline Cloud fuzzedCloud(ByteReader& bytes, Time stamp) {
   const double pitch = bytes.number(0.02, 0.1);
   for (std::size_t i = 0; i < cloud.width * cloud.height; ++i) {
     const double range = bytes.number(0.1, 0.7);
+    const auto angle = static_cast<double>(i);
     const double u = pitch * (static_cast<double>(i % cloud.width) - 3.0);
     const double v = pitch * (static_cast<double>(i / cloud.width) - 2.0);
-    const Vector3 direction = cloud.organised()
-                                  ? Vector3(u, v, 1.0).normalized()
-                                  : Vector3(std::cos(i + u), std::sin(i + u), 1.0).normalized();
+    const Vector3 direction =
+        cloud.organised() ? Vector3(u, v, 1.0).normalized()
+                          : Vector3(std::cos(angle + u), std::sin(angle + u), 1.0).normalized();
     cloud.points.push_back((range * direction).cast<float>());
     if (bytes.seldom()) {
       cloud.points.back()[static_cast<int>(bytes.count(2))] =

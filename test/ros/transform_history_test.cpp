@@ -1,9 +1,14 @@
 #include "ros/transform_history.h"
 
+#include <console_bridge/console.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "ros/conversions.h"
 #include "support/near.h"
@@ -257,12 +262,67 @@ TEST_F(TransformHistoryTest, WhatComesOfHugeNumbersIsNoPose) {
       move("map", "base", stamp, x);
       move("base", "laser", stamp, x);
     }
-    EXPECT_EQ(statusAt("map", "laser", 1.02), Status::kNever) << x;
+    EXPECT_NE(statusAt("map", "laser", 1.02), Status::kFound) << x;
     EXPECT_FALSE(history_.newest("map", "laser")) << x;
     PosePath path;
     EXPECT_NE(history_.path("map", "laser", at(1.0), at(1.05), fromSeconds(0.01), path),
               Status::kFound);
   }
+}
+
+/// Counts what tf2 prints.
+class PrintedLines : public console_bridge::OutputHandler {
+ public:
+  PrintedLines() { console_bridge::useOutputHandler(this); }
+  PrintedLines(const PrintedLines&) = delete;
+  PrintedLines& operator=(const PrintedLines&) = delete;
+  ~PrintedLines() override { console_bridge::restorePreviousOutputHandler(); }
+  void log(const std::string& text, console_bridge::LogLevel /*level*/, const char* /*file*/,
+           int /*line*/) override {
+    last_ = text;
+  }
+  [[nodiscard]] const std::string& last() const { return last_; }
+
+ private:
+  std::string last_;
+};
+
+TEST_F(TransformHistoryTest, WhatIsNoTransformIsRefusedAndNamedWithoutALineForEach) {
+  const PrintedLines printed;
+  const auto change = [](const std::function<void(geometry_msgs::TransformStamped&)>& how) {
+    auto message = shift("base", "laser", 1.1, 9.0);
+    how(message.transforms.front());
+    return message;
+  };
+  const std::vector<std::pair<tf2_msgs::TFMessage, std::string>> refused = {
+      {change([](auto& t) { t.transform.translation.y = std::nan(""); }), "translation"},
+      {change([](auto& t) { t.transform.translation.z = -HUGE_VAL; }), "translation"},
+      {change([](auto& t) { t.transform.rotation.w = 2.0; }), "of laser: its quaternion"},
+      {change([](auto& t) { t.transform.rotation.w = 0.0; }), "quaternion"},
+      {change([](auto& t) { t.transform.rotation.x = std::nan(""); }), "quaternion"},
+      {change([](auto& t) { t.header.frame_id = ""; }), "no frame"},
+      {change([](auto& t) { t.child_frame_id = "/"; }), "no frame"},
+      {change([](auto& t) { t.header.frame_id = "laser"; }), "its own parent"}};
+  move("base", "laser", 1.05, 0.1);
+  std::size_t count = 0;
+  for (const auto& [message, why] : refused) {
+    history_.add(message, false);
+    EXPECT_EQ(statusAt("base", "laser", 1.1), Status::kNotYet) << why;
+    EXPECT_NE(history_.defect().find(why), std::string::npos) << history_.defect();
+    EXPECT_EQ(history_.defect().find(std::to_string(++count) + " transforms"), 0u);
+  }
+  move("base", "laser", 1.1, 0.2);
+  EXPECT_NEAR(xAt("base", "laser", 1.1), 0.2, 1e-9);
+  EXPECT_EQ(printed.last(), "");
+}
+
+TEST_F(TransformHistoryTest, OfSeveralOfOneStampTheFirstHoldsWithoutALineForEach) {
+  const PrintedLines printed;
+  for (const double stamp : {1.0, 1.05, 1.05, 1.0}) move("base", "laser", stamp, stamp);
+  for (const double stamp : {1.05, 1.0}) move("base", "laser", stamp, 9.0);
+  EXPECT_NEAR(xAt("base", "laser", 1.0), 1.0, 1e-9);
+  EXPECT_NEAR(xAt("base", "laser", 1.05), 1.05, 1e-9);
+  EXPECT_EQ(printed.last(), "");
 }
 
 TEST_F(TransformHistoryTest, WhatIsOlderThanKeptIsForgotten) {
