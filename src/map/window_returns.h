@@ -20,7 +20,12 @@ using MappedReturn = Grid::Place;
 class PartMapRing {
  public:
   PartMapRing(std::size_t scans_max, std::size_t returns_max)
-      : parts_(scans_max), room_(returns_max), returns_(new MappedReturn[returns_max]) {}
+      : parts_(scans_max),
+        room_(returns_max),
+        chunks_((returns_max + kChunk - 1) / kChunk),
+        returns_(new MappedReturn[chunks_.size() * kChunk]) {
+    for (std::size_t i = chunks_.size(); i > 0; --i) free_.push_back(i - 1);
+  }
 
   [[nodiscard]] bool full() const { return scans_ == parts_.size(); }
   [[nodiscard]] std::size_t scans() const { return scans_; }
@@ -42,18 +47,14 @@ class PartMapRing {
   /// For so many more returns.
   [[nodiscard]] std::size_t room() const { return room_ - used_; }
   /// Adds to the newest part map. @pre room() > 0 and scans() > 0
-  void add(const MappedReturn& entry) {
-    returns_[next_] = entry;
-    next_ = after(next_);
-    ++used_;
-    ++parts_[newest_].count;
-  }
+  void add(const MappedReturn& entry) { add(&entry, 1); }
   /// @pre room() >= count and scans() > 0
   void add(const MappedReturn* entries, std::size_t count) {
-    const std::size_t straight = std::min(count, room_ - next_);
-    std::copy_n(entries, straight, &returns_[next_]);
-    std::copy_n(entries + straight, count - straight, &returns_[0]);
-    next_ = next_ + count < room_ ? next_ + count : next_ + count - room_;
+    next_ = visitStretches(next_, count, [&](std::size_t chunk, std::size_t first, std::size_t n) {
+      take(chunks_[chunk], n);
+      std::copy_n(entries, n, placeIn(chunk, first));
+      entries += n;
+    });
     used_ += count;
     parts_[newest_].count += count;
   }
@@ -69,7 +70,12 @@ class PartMapRing {
   }
   /// Drops the oldest part map. @pre scans() > 0
   void dropOldest() {
-    used_ -= parts_[oldest_].count;
+    const Part& part = parts_[oldest_];
+    visitStretches(part.begin, part.count,
+                   [this](std::size_t chunk, std::size_t /*first*/, std::size_t n) {
+                     giveBack(chunks_[chunk], n);
+                   });
+    used_ -= part.count;
     oldest_ = oldest_ + 1 < parts_.size() ? oldest_ + 1 : 0;
     --scans_;
   }
@@ -78,7 +84,11 @@ class PartMapRing {
   template <typename Keep>
   void keepIf(Keep&& keep) {
     if (scans_ == 0) return;
-    std::size_t from = parts_[oldest_].begin, to = from;
+    const auto returnAt = [this](std::size_t place) {
+      return placeIn(place / kChunk, place % kChunk);
+    };
+    const std::size_t begin = parts_[oldest_].begin, before = used_;
+    std::size_t from = begin, to = begin;
     used_ = 0;
     for (std::size_t i = 0; i < scans_; ++i) {
       Part& part = parts_[(oldest_ + i) % parts_.size()];
@@ -86,14 +96,18 @@ class PartMapRing {
       part.begin = to;
       part.count = 0;
       for (std::size_t k = 0; k < asked; ++k, from = after(from)) {
-        if (!keep(returns_[from])) continue;
-        returns_[to] = returns_[from];
+        if (!keep(*returnAt(from))) continue;
+        *returnAt(to) = *returnAt(from);
         to = after(to);
         ++part.count;
       }
       used_ += part.count;
     }
     next_ = to;
+    visitStretches(to, before - used_,
+                   [this](std::size_t chunk, std::size_t /*first*/, std::size_t n) {
+                     giveBack(chunks_[chunk], n);
+                   });
   }
   /// Hands each return and its scan's serial to visit, newest scan first.
   template <typename Visit>
@@ -105,9 +119,12 @@ class PartMapRing {
   }
   /// Of all part maps.
   [[nodiscard]] std::size_t returns() const { return used_; }
-  void clear() { oldest_ = scans_ = next_ = used_ = 0; }
+  void clear() {
+    while (scans_ > 0) dropOldest();
+    oldest_ = next_ = 0;
+  }
   [[nodiscard]] std::size_t memoryBytes() const {
-    return bytesOf(parts_) + room_ * sizeof(MappedReturn);
+    return bytesOf(parts_, chunks_, free_) + chunks_.size() * kChunk * sizeof(MappedReturn);
   }
 
  private:
@@ -117,20 +134,57 @@ class PartMapRing {
     std::size_t begin = 0;
     std::size_t count = 0;
   };
+  /// So many places of the ring that lie side by side have a block of memory while any is used.
+  static constexpr std::size_t kChunk = 1024;
+  struct Chunk {
+    std::size_t used = 0;   ///< places
+    std::size_t block = 0;  ///< meaningless where none is used
+  };
+  void take(Chunk& chunk, std::size_t places) {
+    if (chunk.used == 0) {
+      chunk.block = free_.back();
+      free_.pop_back();
+    }
+    chunk.used += places;
+  }
+  void giveBack(Chunk& chunk, std::size_t places) {
+    chunk.used -= places;
+    if (chunk.used == 0) free_.push_back(chunk.block);
+  }
+  [[nodiscard]] MappedReturn* placeIn(std::size_t chunk, std::size_t first) const {
+    return &returns_[chunks_[chunk].block * kChunk + first];
+  }
+  /// Hands so many places from `begin` on to visit(chunk, its first place, how many in it).
+  /// @return the place after them.
+  template <typename Visit>
+  std::size_t visitStretches(std::size_t begin, std::size_t count, Visit&& visit) const {
+    while (count > 0) {
+      const std::size_t first = begin % kChunk, n = std::min(count, kChunk - first);
+      visit(begin / kChunk, first, n);
+      count -= n;
+      begin += n;
+      if (begin == chunks_.size() * kChunk) begin = 0;
+    }
+    return begin;
+  }
   template <typename Visit>
   void visitPart(const Part& part, Visit&& visit) const {
-    const std::size_t straight = std::min(part.count, room_ - part.begin);
-    const MappedReturn* from = &returns_[part.begin];
-    for (std::size_t i = 0; i < straight; ++i) visit(from[i]);
-    for (std::size_t i = 0; i < part.count - straight; ++i) visit(returns_[i]);
+    visitStretches(part.begin, part.count,
+                   [&](std::size_t chunk, std::size_t first, std::size_t n) {
+                     const MappedReturn* const from = placeIn(chunk, first);
+                     for (std::size_t i = 0; i < n; ++i) visit(from[i]);
+                   });
   }
   [[nodiscard]] std::size_t after(std::size_t place) const {
-    return place + 1 < room_ ? place + 1 : 0;
+    return place + 1 < chunks_.size() * kChunk ? place + 1 : 0;
   }
 
   std::vector<Part> parts_;
   std::size_t room_;
-  /// Not written to before it is needed: a laser leaves most of what a camera needs to the system.
+  std::vector<Chunk> chunks_;  ///< of the ring, in its order
+  /// Blocks that no chunk has. The last that came back is the next to be taken: what the window
+  /// never needed at once is never written to, and left to the system.
+  std::vector<std::size_t> free_;
   std::unique_ptr<MappedReturn[]> returns_;
   std::size_t oldest_ = 0;
   std::size_t newest_ = 0;  ///< meaningless while there are no scans

@@ -1,9 +1,11 @@
 #include "map/window_returns.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <deque>
+#include <fstream>
 #include <utility>
 #include <vector>
 
@@ -111,9 +113,10 @@ TEST(PartMapRingTest, AVisitMeetsTheNewestScanFirst) {
   EXPECT_EQ(visits, (std::vector<std::pair<CellIndex, std::uint32_t>>{{30, 3}, {20, 2}}));
 }
 
-TEST(PartMapRingTest, ARandomStreamComesOutAsItWentIn) {
+/// @param room of the ring, where each scan brings up to so many returns.
+void expectARandomStreamToComeOutAsItWentIn(std::size_t room, int returns_max) {
   test::Random random(32);
-  PartMapRing ring(7, 50);
+  PartMapRing ring(7, room);
   std::deque<std::pair<std::uint32_t, std::vector<CellIndex>>> expected;
   std::uint32_t next_cell = 0;
   for (std::uint32_t serial = 1; serial < 2000; ++serial) {
@@ -125,9 +128,16 @@ TEST(PartMapRingTest, ARandomStreamComesOutAsItWentIn) {
     }
     ring.begin(serial, atSeconds(serial));
     expected.emplace_back(serial, std::vector<CellIndex>());
-    for (int i = random.integer(0, 20); i > 0 && ring.room() > 0; --i) {
-      ring.add({next_cell, 0});
-      expected.back().second.push_back(next_cell++);
+    std::vector<MappedReturn> batch;
+    const auto count = static_cast<std::size_t>(random.integer(0, returns_max));
+    while (batch.size() < std::min(count, ring.room())) {
+      expected.back().second.push_back(next_cell);
+      batch.push_back({next_cell++, 0});
+    }
+    if (random.chance(0.5)) {
+      ring.add(batch.data(), batch.size());
+    } else {
+      for (const MappedReturn& entry : batch) ring.add(entry);
     }
     ASSERT_EQ(ring.scans(), expected.size());
     if (!random.chance(0.2)) continue;
@@ -141,6 +151,34 @@ TEST(PartMapRingTest, ARandomStreamComesOutAsItWentIn) {
     }
     ASSERT_EQ(ring.returns(), returns);
   }
+}
+
+TEST(PartMapRingTest, ARandomStreamComesOutAsItWentIn) {
+  expectARandomStreamToComeOutAsItWentIn(50, 20);
+  expectARandomStreamToComeOutAsItWentIn(1024, 500);
+  expectARandomStreamToComeOutAsItWentIn(3000, 900);
+}
+
+/// Of this process, in memory [bytes].
+std::size_t residentBytes() {
+  std::ifstream statm("/proc/self/statm");
+  std::size_t size = 0, resident = 0;
+  statm >> size >> resident;
+  return resident * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+}
+
+TEST(PartMapRingTest, RoomThatIsNeverNeededAtOnceIsLeftToTheSystem) {
+  const std::vector<MappedReturn> scan(450);
+  PartMapRing ring(40, 4000000);
+  const std::size_t before = residentBytes();
+  for (std::uint32_t serial = 0; serial < 20000; ++serial) {
+    if (ring.full()) ring.dropOldest();
+    ring.begin(serial, atSeconds(serial));
+    ring.add(scan.data(), scan.size());
+    if (serial % 100 == 0) ring.keepIf([](const MappedReturn&) { return true; });
+  }
+  // 40 scans have 144 kB; 9,000,000 returns went through, twice the 32 MB of the ring.
+  EXPECT_LT(residentBytes() - before, 2000000U);
 }
 
 Grid smallGrid() {

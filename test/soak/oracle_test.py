@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What the soak's oracle finds, on scenes whose answer is known."""
+"""What the soak's oracle, and its look at memory, find where the answer is known."""
 
 import pathlib
 import sys
@@ -8,6 +8,7 @@ import unittest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import oracle  # noqa: E402
 from oracle import Permission, Span  # noqa: E402
+from programs import Memory  # noqa: E402
 
 
 def permissions(begin, end, permitted=True, period=0.02):
@@ -80,6 +81,28 @@ class OracleTest(unittest.TestCase):
         self.assertAlmostEqual(length, 0.52)
         self.assertAlmostEqual(oracle.longest_silence(said, 100.0, 104.0)[1], 2.02)
         self.assertAlmostEqual(oracle.longest_silence([], 100.0, 104.0)[1], 4.0)
+
+
+class MemoryTest(unittest.TestCase):
+    @staticmethod
+    def grown_kb(kilobytes_at, seconds=300):
+        memory = Memory()
+        for i in range(10 * seconds):
+            memory.add(0.1 * i, kilobytes_at(0.1 * i))
+        return memory.grown_kb
+
+    def test_what_comes_and_goes_is_no_growth(self):
+        self.assertEqual(self.grown_kb(lambda at: 50000), 0)
+        self.assertEqual(self.grown_kb(lambda at: 50000 + (3000 if at % 20.0 < 9.0 else 0)), 0)
+
+    def test_what_comes_and_stays_is(self):
+        self.assertAlmostEqual(self.grown_kb(lambda at: 50000 + 10.0 * at), 2400, delta=50)
+        self.assertEqual(self.grown_kb(lambda at: 50000 + (2000 if at > 280.0 else 0)), 2000)
+        # A burst in the first minute is no licence.
+        self.assertEqual(self.grown_kb(lambda at: 50000 + (9000 if at < 9.0 else 0) + (2000 if at > 90.0 else 0)), 2000)
+
+    def test_a_short_life_tells_nothing(self):
+        self.assertEqual(self.grown_kb(lambda at: 50000 + 100.0 * at, seconds=60), 0)
 
 
 if __name__ == "__main__":

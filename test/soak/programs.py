@@ -1,5 +1,6 @@
 """The programs of a soak: each can be killed, paused and started anew, and its memory is read."""
 
+import collections
 import os
 import pathlib
 import signal
@@ -11,8 +12,12 @@ from roslib.packages import find_node
 PAGE_KB = os.sysconf("SC_PAGE_SIZE") // 1024
 END_S = 5.0  # that a program has until it is killed
 SETTLES_S = 60.0  # after which memory has to stay
+STAYS_S = 10.0  # what is given back sooner was a burst, as of queues while something stood still
 # glibc gives back what was freed, so that memory is what is used: else it keeps the most that it ever was, in pieces.
-MALLOC = {"MALLOC_ARENA_MAX": "2", "MALLOC_MMAP_THRESHOLD_": "65536", "MALLOC_TRIM_THRESHOLD_": "131072"}
+# What is allocated is filled at once: pools that are reserved at the start count from then on, and what is read before it
+# was written shows.
+MALLOC = {"MALLOC_ARENA_MAX": "2", "MALLOC_MMAP_THRESHOLD_": "65536", "MALLOC_TRIM_THRESHOLD_": "131072",
+          "MALLOC_PERTURB_": "165"}
 
 
 def rss_kb(pid):
@@ -24,14 +29,35 @@ def rss_kb(pid):
     return int(fields[1]) * PAGE_KB if len(fields) > 1 else None
 
 
+class Memory:
+    """What stays of a process's memory: the least that it had in any STAYS_S [kB].
+    @var first_kb the most of that until SETTLES_S. @var grown_kb how much more there was later."""
+
+    def __init__(self):
+        self.first_kb, self.grown_kb = 0, 0
+        self._recent = collections.deque()
+
+    def add(self, lived_s, kilobytes):
+        self._recent.append((lived_s, kilobytes))
+        if lived_s - self._recent[0][0] < STAYS_S:
+            return
+        while lived_s - self._recent[0][0] > STAYS_S:
+            self._recent.popleft()
+        stays_kb = min(kilobytes for _, kilobytes in self._recent)
+        if lived_s <= SETTLES_S:
+            self.first_kb = max(self.first_kb, stays_kb)
+        else:
+            self.grown_kb = max(self.grown_kb, stays_kb - self.first_kb)
+
+
 class Program:
     """@var down whether it is to be dead or paused now."""
 
     def __init__(self, name, command, log):
         self.name, self.command, self.log = name, command, log
         self.process, self.started, self.down = None, 0.0, False
-        self.first_kb = 0  # the most that it had in its first SETTLES_S
-        self.grown_kb, self.lived_s = 0, 0.0  # of the life in which it grew most; the longest life
+        self.memory = Memory()  # in this life
+        self.grown_most, self.lived_s = self.memory, 0.0  # in that in which it grew most; the longest life
         self.crashes = []
 
     def start(self):
@@ -39,7 +65,7 @@ class Program:
             self.process = subprocess.Popen(self.command, stdout=log, stderr=subprocess.STDOUT,
                                             stdin=subprocess.DEVNULL, start_new_session=True,
                                             env={**os.environ, **MALLOC})
-        self.started, self.first_kb, self.down = time.monotonic(), 0, False
+        self.started, self.memory, self.down = time.monotonic(), Memory(), False
 
     def signal(self, number):
         self.process.send_signal(number)
@@ -81,11 +107,11 @@ class Program:
             return status
         lived_s = time.monotonic() - self.started
         kilobytes = rss_kb(self.process.pid)
-        if kilobytes and lived_s <= SETTLES_S:
-            self.first_kb = max(self.first_kb, kilobytes)
-        elif kilobytes:
-            self.grown_kb = max(self.grown_kb, kilobytes - self.first_kb)
-            self.lived_s = max(self.lived_s, lived_s)
+        if kilobytes:
+            self.memory.add(lived_s, kilobytes)
+            if lived_s > SETTLES_S:
+                self.lived_s = max(self.lived_s, lived_s)
+                self.grown_most = max(self.grown_most, self.memory, key=lambda memory: memory.grown_kb)
         return None
 
 

@@ -77,7 +77,7 @@ def latencies(soak):
 
 def result(soak):
     tally = soak.tally
-    memory = {program.name: {"first_kb": program.first_kb, "grown_kb": program.grown_kb,
+    memory = {program.name: {"first_kb": program.grown_most.first_kb, "grown_kb": program.grown_most.grown_kb,
                              "lived_s": round(program.lived_s, 1)}
               for program in soak.system.programs.values() if program.lived_s > 0.0}
     latency = latencies(soak)
@@ -93,7 +93,7 @@ def result(soak):
             "episodes": tally.episodes, "faults": tally.faults, "had_to_stop": tally.spans, "found": tally.found,
             "crashes": tally.crashes, "hung_goals": hung, "would_not_end": tally.stubborn,
             "goals": {"done": soak.client.done, "failed": soak.client.failed}, "resets": soak.robot.resets,
-            "latency": latency, "memory": memory, 
+            "latency": latency, "memory": memory,
             "stops": {"replayed": stops, "another_verdict": others, "memory_bytes_max": soak.robot.stops_bytes},
             "kinds": {name: row for name, row in sorted(tally.kinds.items())}}
 
@@ -109,8 +109,8 @@ def print_table(all_):
           f"{all_['had_to_stop']} had to stop the robot; goals: {all_['goals']['done']} done, "
           f"{all_['goals']['failed']} not; {all_['resets']} resets")
     for name, row in all_["memory"].items():
-        print(f"memory   {name:18s} {row['first_kb']:7d} kB at most in its first minute, grew by {row['grown_kb']:5d} kB "
-              f"in a life of {row['lived_s']:.0f} s")
+        print(f"memory   {name:18s} {row['first_kb']:7d} kB after its first minute, grew by {row['grown_kb']:5d} kB; lived "
+              f"for {row['lived_s']:.0f} s")
     if all_["latency"]:
         row = all_["latency"]
         print(f"latency  p99 from ready to permission: first {row['part_s']:.0f} s {1e3 * row['first_p99_s']:.2f} ms, "
