@@ -77,7 +77,7 @@ class GoalsTest(GateCase):
             asked = len(self.monitor.questions)
             arm.client.send_goal(arm.goal(arm.aside(way), 0.6, smooth=True))
             if cancels:
-                wait_for(lambda: arm.speed() > 0.05)
+                arm.wait_until_it_moves(0.05)
                 arm.client.cancel_goal()
             end_of(arm.client)
 
@@ -116,7 +116,8 @@ class GoalsTest(GateCase):
     def test_both_arms_move_at_once(self):
         for arm in (self.left, self.right):
             arm.client.send_goal(arm.goal(arm.aside(0.4), 1.0, smooth=True))
-        wait_for(lambda: self.left.speed() > 0.1 and self.right.speed() > 0.1)
+        for arm in (self.left, self.right):
+            arm.wait_until_it_moves(0.1)
         for arm in (self.left, self.right):
             self.assertEqual(end_of(arm.client), REACHED)
             arm.come_to_rest()

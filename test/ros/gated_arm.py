@@ -91,6 +91,16 @@ class ArmClient:
                 positions=positions, velocities=velocities,
                 time_from_start=rospy.Duration(seconds))]))
 
+    def wait_until_it_moves(self, speed):
+        """Its goal has been sent. @param speed [rad/s], of some joint"""
+        def moves():
+            state = self.client.get_state()
+            if state > GoalStatus.ACTIVE:
+                text = self.client.get_result().error_string
+                raise AssertionError(f"its goal ended before it moved, in state {state}: {text}")
+            return self.speed() > speed
+        wait_for(moves)
+
     def come_to_rest(self):
         wait_for(lambda: self.speed() < AT_REST)
 
