@@ -178,8 +178,10 @@ class WaitingScans {
   [[nodiscard]] std::string whyNotPlaced(const Waiting& scan, Time now) const {
     std::string unknown = unknownFrame(scan);
     if (!unknown.empty()) return unknown;
+    const std::string defect = transforms_.defect();
     return "tf cannot place its frame '" + scan.frame + "' in '" + config_.fixed_frame +
-           "' at its time; " + stampText(stampOf(scan.scan), now);
+           "' at its time; " + stampText(stampOf(scan.scan), now) +
+           (defect.empty() ? "" : "; " + defect);
   }
 
   /// Finds the poses of what is ready. @return kFound, kNotYet where waiting may help, or why it

@@ -34,7 +34,7 @@ bool normalize(geometry_msgs::Quaternion& q) {
   return true;
 }
 
-/// Normalizes the rotation. @return why it is no transform, or nothing. tf2 would refuse it too,
+/// Normalizes the rotation. @return why it is no transform, or nothing. tf2 refuses most of it too,
 /// but prints lines for each: thousands a second where a publisher goes wrong.
 const char* whyRefused(geometry_msgs::TransformStamped& transform) {
   const std::string& parent = transform.header.frame_id;
@@ -71,13 +71,10 @@ void TransformHistory::add(const tf2_msgs::TFMessage& message, bool is_static) {
     std::vector<Time>& stamps = frame->stamps;
     if (!is_static && !stamps.empty() && stamps.back() - stamp > kJumpBack) clear();
     // Of those of one stamp tf2 keeps the first, and prints lines for each of the others.
-    if (!is_static && frame->parent == parent &&
-        std::binary_search(stamps.begin(), stamps.end(), stamp)) {
-      continue;
-    }
+    if (!is_static && std::binary_search(stamps.begin(), stamps.end(), stamp)) continue;
     if (!buffer_.setTransform(transform_, "tccm_monitor", is_static)) continue;
     // Nothing is interpolated from one parent to another.
-    if (frame->parent != parent) stamps.clear();
+    if (frame->parent != parent || is_static) stamps.clear();
     frame->parent = parent;
     frame->is_static = is_static;
     if (is_static) continue;

@@ -157,6 +157,27 @@ TEST_F(ContactJudgeTest, APostAheadDoesNotHideAWallWithinTheMargin) {
   EXPECT_FALSE(verdict.first_contact->by_margin);
 }
 
+/// Where steps are longer than the margin both are found at the same place, and of the margin it is
+/// said to touch only after the delay.
+TEST_F(ContactJudgeTest, WhatComesTooNearDoesNotAskForLessThanTheContact) {
+  config_.way.step_m = 0.2;
+  config_.way.horizon_s = 1.0;
+  latency_s_ = 0.01;
+  const Halting halting{config_.way.horizon_s, config_.way.stop_time_s, config_.way.slow_scale_min,
+                        latency_s_ + config_.braking.reaction_time_s, config_.braking.way()};
+  int contacts = 0;
+  for (double time_s = 0.6; time_s < 0.95; time_s += 0.01) {
+    const Verdict& verdict = touchingIn(time_s);
+    if (verdict.level != Level::kSlow) continue;
+    ASSERT_TRUE(verdict.first_contact);
+    if (verdict.first_contact->by_margin) continue;
+    ++contacts;
+    EXPECT_LE(verdict.speed_scale, halting.scale(verdict.first_contact->time_s, 0.4) + 1e-9)
+        << time_s;
+  }
+  EXPECT_GT(contacts, 10);
+}
+
 /// Of the other, which may slide far.
 TEST_F(ContactJudgeTest, AFastLinkIsLookedAlongAsFarAsHaltingTakes) {
   config_.evidence.unseen_fraction_max = 1.0;

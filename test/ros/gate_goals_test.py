@@ -118,6 +118,7 @@ class GoalsTest(GateCase):
             arm.client.send_goal(arm.goal(arm.aside(0.4), 1.0, smooth=True))
         for arm in (self.left, self.right):
             arm.wait_until_it_moves(0.1)
+        self.assertGreater(self.left.speed(), 0.1)
         for arm in (self.left, self.right):
             self.assertEqual(end_of(arm.client), REACHED)
             arm.come_to_rest()

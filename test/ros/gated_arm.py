@@ -96,8 +96,8 @@ class ArmClient:
         def moves():
             state = self.client.get_state()
             if state > GoalStatus.ACTIVE:
-                text = self.client.get_result().error_string
-                raise AssertionError(f"its goal ended before it moved, in state {state}: {text}")
+                self.client.wait_for_result(rospy.Duration(PATIENCE))
+                raise AssertionError(f"its goal ended before it moved, in state {state}: {self.client.get_result()}")
             return self.speed() > speed
         wait_for(moves)
 

@@ -204,6 +204,22 @@ TEST_F(ScanSourceTest, AFrameThatTfDoesNotKnowIsNamed) {
   EXPECT_NE(detail.find("tf has no frame 'laser'"), std::string::npos) << detail;
 }
 
+TEST_F(ScanSourceTest, WhereTransformsAreRefusedTheDropSaysSo) {
+  ScanSource source = this->source();
+  std::string detail;
+  source.onDrop([&detail](const ScanReport& report) { detail = report.detail; });
+  tf2_msgs::TFMessage message;
+  message.transforms.resize(1);
+  message.transforms[0].header.frame_id = "base";
+  message.transforms[0].child_frame_id = "laser";
+  message.transforms[0].transform.rotation.w = 1.1;
+  history_.add(message, false);
+  source.add(scanAt(1.0), "laser", at(1.03));
+  EXPECT_EQ(source.next(nullptr, at(1.74)), nullptr);
+  EXPECT_NE(detail.find("of laser: its quaternion is not of length 1"), std::string::npos)
+      << detail;
+}
+
 TEST_F(ScanSourceTest, FramesMayStartWithASlash) {
   settings_.fixed_frame = "/base";
   ScanSource source = this->source();

@@ -137,6 +137,8 @@ class TiltFault(Fault):
         return self.say(soak, self.fault)
 
     def end(self, soak):
+        if self.fault == "turned_away":
+            soak.operator.turned_back = time.monotonic()
         return self.say(soak, "none")
 
 

@@ -111,7 +111,7 @@ class Program:
             self.memory.add(lived_s, kilobytes)
             if lived_s > SETTLES_S:
                 self.lived_s = max(self.lived_s, lived_s)
-                self.grown_most = max(self.grown_most, self.memory, key=lambda memory: memory.grown_kb)
+                self.grown_most = max(self.memory, self.grown_most, key=lambda memory: memory.grown_kb)
         return None
 
 

@@ -93,6 +93,7 @@ def result(soak):
             "episodes": tally.episodes, "faults": tally.faults, "had_to_stop": tally.spans, "found": tally.found,
             "crashes": tally.crashes, "hung_goals": hung, "would_not_end": tally.stubborn,
             "goals": {"done": soak.client.done, "failed": soak.client.failed}, "resets": soak.robot.resets,
+            "maps_cleared": soak.robot.cleared,
             "latency": latency, "memory": memory,
             "stops": {"replayed": stops, "another_verdict": others, "memory_bytes_max": soak.robot.stops_bytes},
             "kinds": {name: row for name, row in sorted(tally.kinds.items())}}
@@ -107,7 +108,7 @@ def print_table(all_):
         print(f"{name:{width}s}  {row['count']:5d}  {row['had_to_stop']:11d}  {stopped:>14s}  {released:>15s}")
     print(f"\nseed {all_['seed']}, {all_['minutes']:.1f} min: {all_['faults']} faults in {all_['episodes']} episodes, "
           f"{all_['had_to_stop']} had to stop the robot; goals: {all_['goals']['done']} done, "
-          f"{all_['goals']['failed']} not; {all_['resets']} resets")
+          f"{all_['goals']['failed']} not; {all_['resets']} resets, {all_['maps_cleared']} maps cleared")
     for name, row in all_["memory"].items():
         print(f"memory   {name:18s} {row['first_kb']:7d} kB after its first minute, grew by {row['grown_kb']:5d} kB; lived "
               f"for {row['lived_s']:.0f} s")

@@ -27,6 +27,7 @@ from tccm_monitor.msg import MonitorStatus, MotionPermission
 SIDE = "right_arm"
 STOPS_BYTES = "kept for the next stop [bytes]"
 ANSWER_S = 1.0
+LOOKS_AGAIN_S = 4.0  # in which a sensor that turned away looks again at all that it used to
 GOAL_HANGS_S = 20.0  # beyond what it should take at full speed
 GIVES_UP_S = 0.5  # that a goal has to end in once nobody waits for it
 
@@ -74,7 +75,7 @@ class Robot:
         self.status, self.palm, self.positions = None, None, {}
         self.serial = None
         self.heard_at = 0.0  # the last permission that permits, by the machine's clock
-        self.resets, self.stops_bytes = 0, 0
+        self.resets, self.cleared, self.stops_bytes = 0, 0, 0
         self.gates = {"joint_states": Gate("joint_states", JointState), "scan": Gate("scan", LaserScan),
                       "/tf": Gate("/tf", TFMessage)}
         if "camera" in options.sensors:
@@ -145,11 +146,15 @@ class Robot:
 
 
 class Operator(threading.Thread):
-    """Resets what holds, some time after the cause is over."""
+    """Resets what holds, some time after the cause is over. Where the laser saw a hand only while it was turned away, its map
+    has to be cleared, as the advice says.
+    @var turned_back when it did so, None where the map was cleared since [s]"""
 
     def __init__(self, robot):
         super().__init__(daemon=True)
         self.robot, self.ends = robot, threading.Event()
+        self.turned_back = None
+        self.clear_map = rospy.ServiceProxy("laser/clear_map", Trigger)
 
     def run(self):
         while not self.ends.wait(0.2):
@@ -157,6 +162,10 @@ class Operator(threading.Thread):
             if status and status.reason == "AWAITING_RESET":
                 answer = in_time(self.robot.reset)
                 self.robot.resets += bool(answer and answer.success)
+            if status and status.reason == "EVIDENCE_OLD" and status.level == MotionPermission.STOP and \
+                    self.turned_back and time.monotonic() - self.turned_back > LOOKS_AGAIN_S and in_time(self.clear_map):
+                self.turned_back = None
+                self.robot.cleared += 1
 
 
 class Client(threading.Thread):
