@@ -155,6 +155,28 @@ TEST(MapperTest, AfterAGapTheWindowHasToFillAgain) {
   }
 }
 
+TEST(MapperTest, AfterAGapWhatTiltedHasToSweepAgainHoweverShortTheWindowIs) {
+  Mapper::Config by_scans = smallMap(), by_seconds = smallMap();
+  by_scans.window_scans = 4;
+  by_seconds.window_s = 0.2;
+  for (const Mapper::Config& config : {by_scans, by_seconds}) {
+    for (const bool goes_on : {true, false}) {
+      Mapper mapper(config);
+      EXPECT_TRUE(completeFrom(mapper, 0.0, 0.5)) << "it may be one that does not tilt";
+      EXPECT_GT(lastComplete(mapper, 0.5, 10.0, tiltAt), 9.9);
+      double first = 0.0;
+      for (double stamp = 12.0; stamp < 18.0; stamp += kScanPeriod) {
+        ScanReturns scan = scanAt(stamp);
+        if (!goes_on) scan.tilt = 0.1;
+        mapper.add(scan);
+        if (first == 0.0 && isComplete(mapper)) first = stamp;
+      }
+      EXPECT_EQ(first > 0.0, goes_on) << first;
+      EXPECT_TRUE(first == 0.0 || first - 12.0 >= kTiltPeriod) << first;
+    }
+  }
+}
+
 TEST(MapperTest, ScansThatAreNotNewerAreDroppedAndChangeNothing) {
   Mapper mapper(smallMap());
   mapper.add(scanAt(1.0, {Vector3(0.05, 0.05, 0.5)}));
