@@ -330,8 +330,8 @@ bool Mapper::complete() const {
   if (!newest_ || tiltTooFast()) return false;
   const Time oldest = map_.oldestStamp();
   if (oldest < unbroken_since_) return false;
-  // What tilted before a gap has to have swept all of it again, however short the window is.
-  if (last_period_ && !tilt_.period()) return false;
+  // However short the window is.
+  if (tilt_stopped_ || tilt_.awaitsSweep()) return false;
   if (config_.window_scans > 0) {
     return map_.scans() == static_cast<std::size_t>(config_.window_scans);
   }

@@ -47,6 +47,9 @@ class TiltPeriod {
     return std::max(*upper, *lower);
   }
 
+  /// Whether what tilted before a gap has not swept all of it again since.
+  [[nodiscard]] bool awaitsSweep() const { return patience_before_ && !period(); }
+
   /// Whether a tilt that was measured once stands still: it last turned, or was seen again, longer
   /// ago than its longest recent stroke and a quarter of a period.
   [[nodiscard]] bool standsStill(Time now) const {

@@ -155,15 +155,17 @@ TEST(MapperTest, AfterAGapTheWindowHasToFillAgain) {
   }
 }
 
-TEST(MapperTest, AfterAGapWhatTiltedHasToSweepAgainHoweverShortTheWindowIs) {
+TEST(MapperTest, AfterAGapOrClearedWhatTiltedHasToSweepAgainHoweverShortTheWindowIs) {
   Mapper::Config by_scans = smallMap(), by_seconds = smallMap();
   by_scans.window_scans = 4;
   by_seconds.window_s = 0.2;
   for (const Mapper::Config& config : {by_scans, by_seconds}) {
-    for (const bool goes_on : {true, false}) {
+    for (const int run : {0, 1, 2, 3}) {
+      const bool goes_on = run % 2 == 0, is_cleared = run / 2 == 0;
       Mapper mapper(config);
       EXPECT_TRUE(completeFrom(mapper, 0.0, 0.5)) << "it may be one that does not tilt";
       EXPECT_GT(lastComplete(mapper, 0.5, 10.0, tiltAt), 9.9);
+      if (is_cleared) mapper.clear();
       double first = 0.0;
       for (double stamp = 12.0; stamp < 18.0; stamp += kScanPeriod) {
         ScanReturns scan = scanAt(stamp);

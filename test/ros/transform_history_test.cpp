@@ -270,7 +270,7 @@ TEST_F(TransformHistoryTest, WhatComesOfHugeNumbersIsNoPose) {
   }
 }
 
-/// Counts what tf2 prints.
+/// Catches what tf2 prints.
 class PrintedLines : public console_bridge::OutputHandler {
  public:
   PrintedLines() { console_bridge::useOutputHandler(this); }
