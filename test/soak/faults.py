@@ -23,7 +23,7 @@ MODEL_S = 1.3  # 5 of 10 comparisons, ten a second, and what a scan's transforms
 STANDING_TILT_S = 2.4  # its longest stroke and a quarter of a period, and what it takes to find that
 TILT_LEARNT_S = 8.0  # after which a mapper has come up and has seen the tilt turn
 
-INPUT_RELEASE_S = 8.0  # a tilt period to be measured anew, the map's window, release_s
+INPUT_RELEASE_S = 13.0  # what was taken for an obstacle leaves the map's window, is held for hold_s, then release_s
 START_RELEASE_S = 15.0  # a process comes up besides
 
 

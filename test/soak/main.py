@@ -52,12 +52,12 @@ class Soak:
 
     def __init__(self, options, folder):
         self.options, self.folder = options, folder
-        self.random = random.Random(options.seed)
+        self.random = None  # one of each episode's own
         self.system = system.System(folder, options)
         self.robot = self.operator = self.client = None
         self.kinds = chosen_kinds(options)
         self.put_at, self.spinners, self.interrupted = float("inf"), [], False
-        self.tally = report.Tally()
+        self.tally = report.Tally(options.episode - 1)
         self.begun = time.monotonic()
 
     def is_over(self):
@@ -106,7 +106,7 @@ class Soak:
         return (self.robot.permissions.take(), self.robot.truths.take(), self.robot.speeds.take())
 
     def drawn_faults(self):
-        """One, or two that touch different things; the next of the seed."""
+        """One, or two that touch different things: those of this episode of the seed, whatever was before."""
         names = sorted(self.kinds)
         chosen = [self.kinds[self.random.choice(names)]]
         if self.random.random() < TWO_AT_ONCE:
@@ -140,6 +140,7 @@ class Soak:
         self.start()
         end = time.monotonic() + 60.0 * self.options.minutes
         while time.monotonic() < end and not self.is_over():
+            self.random = random.Random(f"{self.options.seed} {self.tally.last + 1}")
             pause = time.monotonic() + self.random.uniform(*PAUSES_S)
             drawn = self.drawn_faults()
             apart = self.random.uniform(0.0, 0.5)
@@ -200,17 +201,18 @@ class Soak:
         over = time.monotonic()
         release = max((fault.release for fault, _, _ in begun), default=faults.INPUT_RELEASE_S)
         found = []
-        if not self.wait_until_permitted_after(over, release + LATE_S) and not self.is_over():
-            status = self.robot.status
+        reasons = []
+        if not self.wait_until_permitted_after(over, release + LATE_S, reasons) and not self.is_over():
             why = " and ".join(fault.name for fault, _, _ in begun)
-            found.append(oracle.Found("outlasts", f"{why}: {status.reason} {status.detail}", rospy.get_time(),
-                                      time.monotonic() - over))
+            found.append(oracle.Found("outlasts", f"{why}: {', '.join(reasons)}: {self.robot.status.detail}",
+                                      rospy.get_time(), time.monotonic() - over))
             self.wait_until_permitted(60.0)
         permissions, truths, speeds = self.take_everything()
         is_clear = all(fault.is_clear for fault, _, _ in begun)
         if put_at is not None and is_clear:
-            spans = spans + oracle.near_spans(truths, put_at)
-            found += oracle.contacts(truths, speeds, put_at)
+            outs = oracle.moving_out(permissions)
+            spans = spans + oracle.without(oracle.near_spans(truths, put_at), outs)
+            found += oracle.contacts(truths, speeds, put_at, outs) + oracle.ways_in(truths, outs)
         found += oracle.false_clears(permissions, spans) + oracle.moves(speeds, spans)
         found += oracle.false_clears([dataclasses.replace(one, stamp=one.received) for one in permissions], walls)
         found += oracle.too_long_valid(permissions, VALID_S)
@@ -225,11 +227,16 @@ class Soak:
         self.tally.episode([fault.name for fault, _, _ in begun], found, spans + walls)
         report.show(self, begun, found)
 
-    def wait_until_permitted_after(self, wall, patience_s):
-        deadline = wall + patience_s
+    def wait_until_permitted_after(self, wall, patience_s, reasons):
+        """@param reasons all that holds meanwhile is added, and since when after `wall`."""
+        deadline, last = wall + patience_s, None
         while time.monotonic() < deadline and not self.is_over():
             if self.robot.heard_at > wall:
                 return True
+            status = self.robot.status
+            if status and status.reason != last:
+                last = status.reason
+                reasons.append(f"{last} from {time.monotonic() - wall:.1f} s on")
             self.look()
             time.sleep(0.01)
         return False
@@ -281,6 +288,7 @@ def options():
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--minutes", type=positive, default=5.0, help="how long (%(default)g)")
     parser.add_argument("--seed", type=int, default=1, help="of the faults, the robot's noise and its goals (%(default)d)")
+    parser.add_argument("--episode", type=int, default=1, metavar="N", help="begins with this one of the seed's (%(default)d)")
     parser.add_argument("--only", default="", metavar="TEXT", help="only faults with this in their names")
     parser.add_argument("--sensors", type=sensors_of, default=["laser", "camera"], help="laser or laser,camera (both)")
     parser.add_argument("--clock", choices=("wall", "simulated"), help="the monitor's; a simulated one has faults of its "

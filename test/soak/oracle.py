@@ -11,6 +11,7 @@ SEEN_S = 2.4  # what has stood for so long was seen: a tilt period, and what a c
 NEAR_M = 0.012  # well within the padding of 0.03, and noise
 MOVES_RPS = 0.01  # a joint that is faster moves
 HALT_S = 0.3  # stop_trajectory_duration of the arm's controller
+GOES_IN_M = 0.003  # that the hand may come nearer while it moves out, by noise and as it turns
 GATE_S = 0.1  # silence, the gate's cycle and the way to the controller; a machine that is busy
 
 
@@ -65,13 +66,52 @@ def near_spans(truths, since):
     return [span for span in spans if span.end - span.begin > CHECK_S]
 
 
+def moving_out(permissions, halt=HALT_S + GATE_S):
+    """@return the times in which the arm may move out of what it touches, and no other way."""
+    spans = []
+    for one in permissions:
+        if not one.permitted or "MOVING_OUT" not in one.reasons:
+            continue
+        if spans and one.stamp <= spans[-1].end:
+            spans[-1].end = one.valid_until + halt
+        else:
+            spans.append(Span(one.stamp, one.valid_until + halt, "the hand moves out, and comes nearer"))
+    return spans
+
+
+def without(spans, others):
+    """@return what is left of spans."""
+    left = list(spans)
+    for other in others:
+        cut = []
+        for span in left:
+            for begin, end in ((span.begin, min(span.end, other.begin)), (max(span.begin, other.end), span.end)):
+                if begin < end:
+                    cut.append(dataclasses.replace(span, begin=begin, end=end))
+        left = cut
+    return left
+
+
+def ways_in(truths, outs):
+    """The hand comes nearer to what is there when it might only move out of it. @param outs as of moving_out()."""
+    found = []
+    for out in outs:
+        there = [(stamp, distance) for stamp, distance in truths
+                 if out.begin <= stamp <= out.end and distance is not None]
+        nearest = min(there, key=lambda one: one[1], default=None)
+        if nearest and nearest[1] < min(NEAR_M, there[0][1] - GOES_IN_M):
+            found.append(Found("false clear", out.why, nearest[0], there[0][1] - nearest[1]))
+    return found
+
+
 def false_clears(permissions, spans):
     """Permissions that were given when none might be: one for each span, the first."""
     found = []
     for span in spans:
-        wrong = [one.stamp for one in permissions if one.permitted and span.begin <= one.stamp <= span.end]
+        wrong = [one for one in permissions if one.permitted and span.begin <= one.stamp < span.end]
         if wrong:
-            found.append(Found("false clear", span.why, wrong[0], wrong[-1] - wrong[0]))
+            why = f"{span.why}: {' '.join(wrong[0].reasons) or 'permitted'}"
+            found.append(Found("false clear", why, wrong[0].stamp, wrong[-1].stamp - wrong[0].stamp))
     return found
 
 
@@ -93,12 +133,13 @@ def moves(samples, spans, halt=HALT_S + GATE_S):
     return found
 
 
-def contacts(truths, samples, since):
+def contacts(truths, samples, since, outs):
     """The hand goes on into what has stood for long enough to be seen. @param truths as near_spans(). @param samples as
-    moves()."""
+    moves(). @param outs when it might move out, as of moving_out()."""
     speeds = dict((round(stamp, 3), speed) for stamp, speed in samples)
     for stamp, distance in truths:
-        if distance is not None and distance <= 0.0 and stamp > since + SEEN_S:
+        if distance is not None and distance <= 0.0 and stamp > since + SEEN_S and \
+                not any(out.begin <= stamp <= out.end for out in outs):
             speed = speeds.get(round(stamp, 3), 0.0)
             if speed > MOVES_RPS:
                 return [Found("false clear", "the hand moves in contact with what has stood there", stamp, speed)]

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """What the soak's oracle, and its look at memory, find where the answer is known."""
 
+import dataclasses
 import pathlib
 import sys
 import unittest
@@ -59,10 +60,26 @@ class OracleTest(unittest.TestCase):
 
     def test_a_hand_that_moves_in_contact_is_found_and_one_that_stands_is_not(self):
         truths = [(5.0, 0.01), (5.01, 0.0)]
-        self.assertEqual(len(oracle.contacts(truths, [(5.01, 0.2)], 1.0)), 1)
-        self.assertEqual(oracle.contacts(truths, [(5.01, 0.0)], 1.0), [])
-        self.assertEqual(oracle.contacts(truths, [(5.01, 0.2)], 4.0), [])
-        self.assertEqual(oracle.contacts(truths[:1], [(5.0, 0.2)], 1.0), [])
+        self.assertEqual(len(oracle.contacts(truths, [(5.01, 0.2)], 1.0, [])), 1)
+        self.assertEqual(oracle.contacts(truths, [(5.01, 0.0)], 1.0, []), [])
+        self.assertEqual(oracle.contacts(truths, [(5.01, 0.2)], 4.0, []), [])
+        self.assertEqual(oracle.contacts(truths[:1], [(5.0, 0.2)], 1.0, []), [])
+        self.assertEqual(oracle.contacts(truths, [(5.01, 0.2)], 1.0, [Span(5.0, 6.0, "moves out")]), [])
+
+    def test_a_hand_in_contact_may_move_out_and_not_in(self):
+        said = permissions(9.0, 10.0, False) + [dataclasses.replace(one, reasons=("MOVING_OUT",))
+                                                for one in permissions(10.0, 11.0)] + permissions(11.0, 12.0)
+        outs = oracle.moving_out(said, 0.1)
+        self.assertEqual([round(at, 2) for out in outs for at in (out.begin, out.end)], [10.0, 11.14])
+        left = oracle.without([Span(9.0, 12.0, "near"), Span(10.2, 10.8, "near"), Span(13.0, 14.0, "near")], outs)
+        self.assertEqual([(round(span.begin, 2), round(span.end, 2)) for span in left],
+                         [(9.0, 10.0), (11.14, 12.0), (13.0, 14.0)])
+        self.assertEqual(len(oracle.false_clears(said, left)), 1)
+        self.assertEqual(oracle.moving_out(permissions(10.0, 11.0)), [])
+        self.assertEqual(oracle.ways_in([(10.1, 0.002), (10.5, 0.02)], outs), [])
+        self.assertEqual(oracle.ways_in([(10.1, 0.2), (10.5, 0.1)], outs), [])  # out of something else
+        self.assertEqual(oracle.ways_in([(10.1, None), (12.0, 0.0)], outs), [])
+        self.assertEqual([one.at for one in oracle.ways_in([(10.1, 0.008), (10.5, 0.001), (11.0, 0.01)], outs)], [10.5])
 
     def test_stop_and_release_are_timed(self):
         said = permissions(0.0, 1.0) + permissions(1.0, 2.0, False) + permissions(2.0, 3.0)

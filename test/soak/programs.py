@@ -13,11 +13,18 @@ PAGE_KB = os.sysconf("SC_PAGE_SIZE") // 1024
 END_S = 5.0  # that a program has until it is killed
 SETTLES_S = 60.0  # after which memory has to stay
 STAYS_S = 10.0  # what is given back sooner was a burst, as of queues while something stood still
-# glibc gives back what was freed, so that memory is what is used: else it keeps the most that it ever was, in pieces.
 # What is allocated is filled at once: pools that are reserved at the start count from then on, and what is read before it
 # was written shows.
-MALLOC = {"MALLOC_ARENA_MAX": "2", "MALLOC_MMAP_THRESHOLD_": "65536", "MALLOC_TRIM_THRESHOLD_": "131072",
-          "MALLOC_PERTURB_": "165"}
+MALLOC = {"MALLOC_PERTURB_": "165"}
+TRIM = "libtccm_monitor_soak_memory.so"  # trim_memory.cpp
+
+
+def trim_library():
+    folders = os.environ.get("LD_LIBRARY_PATH", "").split(":")
+    path = next((path for path in (pathlib.Path(folder) / TRIM for folder in folders if folder) if path.exists()), None)
+    if path is None:
+        raise RuntimeError(f"{TRIM} is in no folder of LD_LIBRARY_PATH: build with CATKIN_ENABLE_TESTING")
+    return str(path)
 
 
 def rss_kb(pid):

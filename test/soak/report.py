@@ -15,13 +15,13 @@ STOPS_BYTES_MAX = system.STOPS_MEMORY_MB * 1e6
 
 
 class Tally:
-    """What was found, by kind of fault."""
+    """What was found, by kind of fault. @var last the number of the last episode."""
 
-    def __init__(self):
+    def __init__(self, last=0):
         self.kinds = collections.defaultdict(lambda: {"count": 0, "had_to_stop": 0, "stopped_s": [], "released_s": []})
         self.found, self.crashes, self.stubborn = [], [], []
         self.replayed = (0, [])
-        self.episodes, self.faults, self.spans = 0, 0, 0
+        self.last, self.episodes, self.faults, self.spans = last, 0, 0, 0
 
     def add(self, fault, stopped_s, released_s):
         """@param stopped_s, released_s None where it was not, or is not known."""
@@ -35,14 +35,15 @@ class Tally:
 
     def episode(self, names, found, spans):
         self.episodes += 1
+        self.last += 1
         self.spans += len(spans)
         for name in {span.why for span in spans} & set(names):
             self.kinds[name]["had_to_stop"] += 1
-        self.found += [{"episode": self.episodes, "faults": names, "what": one.what, "why": one.why,
+        self.found += [{"episode": self.last, "faults": names, "what": one.what, "why": one.why,
                         "at_s": one.at, "figure": one.figure} for one in found]
 
     def crash(self, name, status, names):
-        self.crashes.append({"episode": self.episodes + 1, "program": name, "status": status, "faults": names})
+        self.crashes.append({"episode": self.last + 1, "program": name, "status": status, "faults": names})
 
 
 def show(soak, begun, found):
@@ -56,7 +57,7 @@ def show(soak, begun, found):
         parts.append(f"{fault.name} ({fault.length:.2f} s, {stopped})")
     released = next((tally.kinds[fault.name]["released_s"][-1] for fault, _, _ in begun
                      if tally.kinds[fault.name]["released_s"]), math.nan)
-    print(f"{int(seconds // 60):3d}:{seconds % 60:04.1f}  {tally.episodes:4d}  {' + '.join(parts)}; "
+    print(f"{int(seconds // 60):3d}:{seconds % 60:04.1f}  {tally.last:4d}  {' + '.join(parts)}; "
           f"released after {released:.2f} s", flush=True)
     for one in found:
         print(f"            {one}", file=sys.stderr, flush=True)

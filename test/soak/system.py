@@ -11,7 +11,7 @@ import rospy
 import yaml
 from roslib.packages import find_node
 
-from programs import Program, node, nodelet
+from programs import Program, node, nodelet, trim_library
 
 START_S = 30.0
 SHARED = ("joint_states:=/joint_states", "attached_objects:=/attached_objects")
@@ -48,8 +48,8 @@ class System:
         self.programs = {}
 
     def add(self, name, command):
-        if self.sanitizer and name != "master":
-            command = ["env", f"LD_PRELOAD={self.sanitizer}", *command]
+        if name != "master":
+            command = ["env", f"LD_PRELOAD={self.sanitizer or trim_library()}", *command]
         self.programs[name] = Program(name, command, self.folder / f"{name}.log")
 
     def start_master(self):
