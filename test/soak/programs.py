@@ -13,9 +13,10 @@ PAGE_KB = os.sysconf("SC_PAGE_SIZE") // 1024
 END_S = 5.0  # that a program has until it is killed
 SETTLES_S = 60.0  # after which memory has to stay
 STAYS_S = 10.0  # what is given back sooner was a burst, as of queues while something stood still
-# What is allocated is filled at once: pools that are reserved at the start count from then on, and what is read before it
-# was written shows.
-MALLOC = {"MALLOC_PERTURB_": "165"}
+# glibc can give back what was freed only in its first arena. What is allocated is filled at once: pools that are reserved
+# at the start count from then on, and what is read before it was written shows.
+MALLOC = {"MALLOC_ARENA_MAX": "1", "MALLOC_MMAP_THRESHOLD_": "65536", "MALLOC_TRIM_THRESHOLD_": "131072",
+          "MALLOC_PERTURB_": "165"}
 TRIM = "libtccm_monitor_soak_memory.so"  # trim_memory.cpp
 
 

@@ -11,7 +11,7 @@ import unittest
 
 HERE = pathlib.Path(__file__).resolve().parent
 SEED = "1"
-# A leak of 1 kB with each scan is more. glibc keeps what a burst left in pieces: 3.7 MB of a checker's in an hour.
+# A leak of 1 kB with each scan is more. glibc keeps what a burst left in pieces between what lives on.
 GROWN_KB_MAX = 4096
 
 
