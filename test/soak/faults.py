@@ -35,7 +35,6 @@ class Fault:
     limit, release = None, INPUT_RELEASE_S
     lasts = (0.4, 2.0)
     is_by_wall = False  # whether the limit is one of the machine's clock, as the monitor's own is not to be relied on
-    counts_anew = False  # whether the limit counts from where another fault ends that came between
     is_clear = True  # whether what the sensors see is passed on as it is, in time
 
     def __init__(self, name, *touches):
@@ -51,6 +50,11 @@ class Fault:
     def end(self, soak):
         """@return when, by the monitor's clock"""
         raise NotImplementedError
+
+    def counts_anew_after(self, other):
+        """Whether the limit counts from where another fault ends that came between."""
+        del other
+        return False
 
     def while_it_lasts(self, soak):
         """Called some times a second."""
@@ -120,12 +124,15 @@ class TiltFault(Fault):
     """What the laser's tilt does. After a gap in the scans it has as long as before to go on. One whose mapper has just
     begun passes for a laser that does not tilt, where the window is set by seconds."""
 
-    lasts, counts_anew = (3.0, 5.0), True
+    lasts = (3.0, 5.0)
 
     def __init__(self, fault, limit):
         super().__init__(f"tilt {fault}", "tilt", "laser_mapper")
         self.fault, self.limit_known = fault, limit
         self.is_clear = False
+
+    def counts_anew_after(self, other):
+        return True
 
     def say(self, soak, fault):
         soak.tilt.publish(String(fault))
@@ -238,8 +245,8 @@ def monitor_kinds():
 def all_kinds():
     """@return faults to draw, by name"""
     from disturbances import world_kinds  # pylint: disable=import-outside-toplevel,cyclic-import
-    from inputs import InputFault, input_kinds  # pylint: disable=import-outside-toplevel,cyclic-import
-    kinds = [InputFault(*kind) for kind in input_kinds()]
+    from inputs import Displaced, InputFault, input_kinds  # pylint: disable=import-outside-toplevel,cyclic-import
+    kinds = [InputFault(*kind) for kind in input_kinds()] + [Displaced("right_elbow_link")]
     kinds += [TiltFault("frozen", STANDING_TILT_S), TiltFault("narrowed", None), TiltFault("turned_away", None)]
     kinds += [ClockFault("stopped", lambda random: nothing, CLOCK_S), ClockFault("to and fro", to_and_fro, CLOCK_S),
               TimeJump()]

@@ -164,16 +164,15 @@ class Soak:
                 begun.append((fault, begin, time.monotonic()))
             if "world" in fault.touches:
                 put_at = self.put_at
-        ended = 0.0
+        ended = []
         is_clock_sound = not any("/clock" in fault.touches for fault in drawn)
         limits = limits_of(drawn)
         lasting = sorted(begun, key=lambda one: one[2] + one[0].length)
         for number, (fault, begin, wall) in enumerate(lasting):
             self.last(wall + fault.length - time.monotonic(), lasting[number:])
             end = fault.end(self)
-            if fault.counts_anew:
-                begin = max(begin, ended)
-            ended = end
+            begin = max([begin] + [at for other, at in ended if fault.counts_anew_after(other)])
+            ended.append((fault, end))
             if fault.is_by_wall:
                 walls.append(oracle.fault_span(wall, time.monotonic(), limits[fault.name], fault.name))
             elif not is_clock_sound:
