@@ -47,7 +47,7 @@ class ArmSimulationNode {
   }
 
   void run() {
-    keepUp(arm_, start_, start_, Duration::zero(), [this] { step(); });
+    keepUp(arm_, start_, start_, 1.0, Duration::zero(), [this] { step(); });
   }
 
  private:

@@ -22,17 +22,18 @@ namespace tccm::simulation {
 
 /// Answers what came in, and has the simulation keep up with the wall clock, until shut down.
 /// @param start of the simulation. @param wall_start when that was, or is taken to have been.
+/// @param rate its seconds in one of the wall clock.
 /// @param simulated its now() is moved on by step(). @param longest after which it ends; 0: never.
 template <typename Simulated, typename Step>
-void keepUp(const Simulated& simulated, Time start, Time wall_start, Duration longest,
+void keepUp(const Simulated& simulated, Time start, Time wall_start, double rate, Duration longest,
             Step&& step) {
-  ros::WallRate rate(500.0);
+  ros::WallRate turns(500.0);
   while (ros::ok()) {
-    const Duration elapsed = wallNow() - wall_start;
+    const Duration elapsed = fromSeconds(rate * toSeconds(wallNow() - wall_start));
     ros::spinOnce();
     while (simulated.now() < start + elapsed && ros::ok()) step();
     if (longest > Duration::zero() && elapsed > longest) return;
-    rate.sleep();
+    turns.sleep();
   }
 }
 

@@ -32,14 +32,15 @@ SceneObject boxOf(const visualization_msgs::Marker& marker) {
   return {marker.ns, Box{half}, fromMessage(marker.pose, "a box"), kPutColour};
 }
 
-/// The simulated robot, live, at the pace of the wall clock. Arms that are commanded hear nobody's
-/// stop: who commands them has to obey it.
+/// The simulated robot, live, at the pace of the wall clock, or of a share of it. Arms that are
+/// commanded hear nobody's stop: who commands them has to obey it.
 class SimulationNode {
  public:
   struct Config {
     Simulator::Config simulator;
     std::vector<std::string> controllers;  ///< of the arms that have one: names
     bool publish_clock = false;
+    double clock_rate = 1.0;  ///< of what is published: its seconds in one of the wall clock
     double duration_s = 0.0;  ///< 0: until shut down
   };
 
@@ -70,7 +71,8 @@ class SimulationNode {
     const Time start = config_.simulator.start;
     // By the wall clock, what took time until here counts.
     const Time wall_start = config_.publish_clock ? wallNow() : start;
-    keepUp(simulator_, start, wall_start, fromSeconds(config_.duration_s), [this] { step(); });
+    keepUp(simulator_, start, wall_start, config_.clock_rate, fromSeconds(config_.duration_s),
+           [this] { step(); });
   }
 
  private:
@@ -276,7 +278,9 @@ SimulationNode::Config load(const ros::NodeHandle& node) {
   node.param("tilt_fault_for_s", fault.for_s, fault.for_s);
   node.param("duration_s", config.duration_s, config.duration_s);
   node.param("publish_clock", config.publish_clock, config.publish_clock);
+  node.param("clock_rate", config.clock_rate, config.clock_rate);
   requireInRange("duration_s", config.duration_s, 0.0, 1e6);
+  requireInRange("clock_rate", config.clock_rate, 0.01, 10.0);
   s.seed = seedOf(node);
   s.keeps_hand_samples = false;
   s.obstacle = obstacleKind(obstacle);
@@ -287,6 +291,7 @@ SimulationNode::Config load(const ros::NodeHandle& node) {
   fault.fault = tiltFault(tilt_fault);
   if (fault.fault != TiltFault::kNone) s.head.faults.push_back(fault);
   if (!config.publish_clock) {
+    if (config.clock_rate != 1.0) throw ConfigError("clock_rate: it needs publish_clock");
     if (!ros::Time::isSystemTime()) {
       throw ConfigError("publish_clock: must be true where use_sim_time is, for want of a clock");
     }

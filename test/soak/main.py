@@ -60,6 +60,10 @@ class Soak:
         self.tally = report.Tally(options.episode - 1)
         self.begun = time.monotonic()
 
+    def patience(self, seconds):
+        """Of the monitor's clock. @return by the machine's [s]"""
+        return seconds / self.options.rate
+
     def is_over(self):
         return self.interrupted or rospy.is_shutdown()
 
@@ -128,7 +132,7 @@ class Soak:
         self.client = robot.Client(self.robot, self.options.seed, self.folder / "goals.log")
         self.operator.start()
         self.client.start()
-        if not self.wait_until_permitted(STARTS_S):
+        if not self.wait_until_permitted(self.patience(STARTS_S)):
             status = self.robot.status
             raise RuntimeError("motion is not permitted at first: " +
                                (f"{status.reason} {status.detail}" if status else "the checker says nothing"))
@@ -198,14 +202,14 @@ class Soak:
         """Waits until motion is permitted again, and says what was wrong.
         @param spans, walls when nothing might be permitted, by the monitor's clock and by the machine's."""
         over = time.monotonic()
-        release = max((fault.release for fault, _, _ in begun), default=faults.INPUT_RELEASE_S)
+        release = self.patience(max((fault.release for fault, _, _ in begun), default=faults.INPUT_RELEASE_S))
         found = []
         reasons = []
         if not self.wait_until_permitted_after(over, release + LATE_S, reasons) and not self.is_over():
             why = " and ".join(fault.name for fault, _, _ in begun)
             found.append(oracle.Found("outlasts", f"{why}: {', '.join(reasons)}: {self.robot.status.detail}",
                                       rospy.get_time(), time.monotonic() - over))
-            self.wait_until_permitted(60.0)
+            self.wait_until_permitted(self.patience(STARTS_S))
         permissions, truths, speeds = self.take_everything()
         is_clear = all(fault.is_clear for fault, _, _ in begun)
         if put_at is not None and is_clear:
@@ -292,6 +296,8 @@ def options():
     parser.add_argument("--sensors", type=sensors_of, default=["laser", "camera"], help="laser or laser,camera (both)")
     parser.add_argument("--clock", choices=("wall", "simulated"), help="the monitor's; a simulated one has faults of its "
                         "own (every other two seeds)")
+    parser.add_argument("--rate", type=positive, default=1.0, metavar="R", help="seconds of a simulated clock in one of the "
+                        "machine's (%(default)g); at another only crashes tell something, as the oracle uses both clocks")
     parser.add_argument("--stops", type=int, default=system.STOPS_FEW, metavar="N",
                         help="how many stops are kept and replayed at the end (%(default)d)")
     parser.add_argument("--out", type=pathlib.Path, help="folder for soak.json and the programs' logs")
@@ -299,7 +305,9 @@ def options():
                         "with (scripts/sanitize)")
     parser.add_argument("--list", action="store_true", help="all kinds of faults, and ends")
     chosen = parser.parse_args()
-    chosen.clock = chosen.clock or ("simulated" if chosen.seed % 4 >= 2 else "wall")
+    chosen.clock = chosen.clock or ("simulated" if chosen.seed % 4 >= 2 or chosen.rate != 1.0 else "wall")
+    if chosen.clock == "wall" and chosen.rate != 1.0:
+        parser.error("--rate: only a simulated clock has another")
     return chosen
 
 

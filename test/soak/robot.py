@@ -73,7 +73,7 @@ class Robot:
     def __init__(self, options):
         self.permissions, self.truths, self.speeds, self.latencies = Kept(), Kept(), Kept(), Kept()
         self.status, self.palm, self.positions = None, None, {}
-        self.serial = None
+        self.serial, self.rate = None, options.rate
         self.heard_at = 0.0  # the last permission that permits, by the machine's clock
         self.resets, self.cleared, self.stops_bytes = 0, 0, 0
         self.gates = {"joint_states": Gate("joint_states", JointState), "scan": Gate("scan", LaserScan),
@@ -126,7 +126,7 @@ class Robot:
             self.truths.add((content["stamp_s"], content["hand_obstacle_m"]))
 
     def is_permitted(self):
-        return time.monotonic() - self.heard_at < 0.2
+        return time.monotonic() - self.heard_at < 0.2 / self.rate
 
     def put(self, *boxes):
         """@param boxes (centre, edges) in base_link [m]; none: they go. @return when it was said."""

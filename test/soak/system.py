@@ -39,7 +39,7 @@ class System:
 
     def __init__(self, folder, options):
         self.folder, self.seed, self.sensors, self.stops_max = folder, options.seed, options.sensors, options.stops
-        self.clock, self.sanitizer = options.clock, options.sanitizer
+        self.clock, self.rate, self.sanitizer = options.clock, options.rate, options.sanitizer
         self.stops = folder / "stops"
         self.stops.mkdir(parents=True, exist_ok=True)
         self.has_small_disk = self.stops_max <= STOPS_FEW and subprocess.run(
@@ -67,6 +67,7 @@ class System:
                        self.stops_max)
         rospy.set_param("/use_sim_time", self.clock == "simulated")
         rospy.set_param("simulation/publish_clock", self.clock == "simulated")
+        rospy.set_param("simulation/clock_rate", self.rate)
         rospy.set_param("simulation/motion", "commanded")
         rospy.set_param("simulation/controllers", ["left_arm_controller", "right_arm_controller"])
         rospy.set_param("simulation/noise_m", 0.005)
