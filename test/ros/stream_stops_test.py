@@ -53,6 +53,8 @@ class StreamStopsTest(unittest.TestCase):
 
     def test_it_stays_and_is_a_fault(self):
         after = self.recorder.between(self.due, START + 1e6)
+        while after and after[-1].reason == "NO_CLOCK":  # once the recording is over its clock stands still
+            after.pop()
         self.assertGreater(len(after), 40)
         self.assertEqual({status.reason for status in after}, {self.reason})
         self.assertEqual({status.level for status in after}, {MonitorStatus.FAULT})
