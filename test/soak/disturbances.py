@@ -11,7 +11,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 import bad_maps
 from faults import AT_ONCE_S, Fault
-from robot import ANSWER_S, in_time
+from robot import SURE_S, in_time
 from tccm_monitor.msg import CuboidMap, Primitive
 from tccm_monitor.srv import AddExemption, AttachObject, CheckTrajectory, DetachObject, GetCuboidMap, SetKeepOut
 
@@ -66,7 +66,7 @@ class KeptOut(Fault):
         if not remove:
             region.pose.position.x, region.pose.position.y, region.pose.position.z = soak.robot.palm
             region.size = Vector3(0.6, 0.6, 0.6)
-        answer = soak.call("set_keep_out", SetKeepOut, region)
+        answer = soak.call("set_keep_out", SetKeepOut, region, seconds=SURE_S)
         return bool(answer and answer.success)
 
     def begin(self, soak):
@@ -212,12 +212,12 @@ class Tuned(Fault):
     def update(self, values):
         """@return whether it was taken."""
         def tune():
-            client = Client("collision_checker", timeout=ANSWER_S)
+            client = Client("collision_checker", timeout=SURE_S)
             try:
                 return client.update_configuration(values)
             finally:
                 client.close()
-        return bool(in_time(tune))
+        return bool(in_time(tune, SURE_S))
 
     def begin(self, soak):
         self.defaults = soak.tuned

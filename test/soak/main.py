@@ -67,9 +67,9 @@ class Soak:
     def is_over(self):
         return self.interrupted or rospy.is_shutdown()
 
-    def call(self, name, kind, *arguments):
+    def call(self, name, kind, *arguments, seconds=robot.ANSWER_S):
         """@return the answer, or None where nobody gives one in time: who should may be paused."""
-        return robot.in_time(lambda: rospy.ServiceProxy(name, kind)(*arguments))
+        return robot.in_time(lambda: rospy.ServiceProxy(name, kind)(*arguments), seconds)
 
     def spin(self, count):
         for process in self.spinners:

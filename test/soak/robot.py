@@ -27,12 +27,13 @@ from tccm_monitor.msg import MonitorStatus, MotionPermission
 SIDE = "right_arm"
 STOPS_BYTES = "kept for the next stop [bytes]"
 ANSWER_S = 1.0
+SURE_S = 30.0  # for what lasts until it is undone: an answer that comes too late would leave it
 LOOKS_AGAIN_S = 4.0  # in which a sensor that turned away looks again at all that it used to
 GOAL_HANGS_S = 20.0  # beyond what it should take at full speed
 GIVES_UP_S = 0.5  # that a goal has to end in once nobody waits for it
 
 
-def in_time(call):
+def in_time(call, seconds=ANSWER_S):
     """roscpp's services have no time limit. @return what it returns, or None where it fails or takes too long."""
     answers = []
 
@@ -43,7 +44,7 @@ def in_time(call):
             pass  # nobody is there
     thread = threading.Thread(target=run, daemon=True)
     thread.start()
-    thread.join(ANSWER_S)
+    thread.join(seconds)
     return answers[0] if answers else None
 
 
