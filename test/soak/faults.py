@@ -203,7 +203,7 @@ class Killed(Fault):
         if self.how == "killed":
             program.kill()
         else:
-            program.end()
+            soak.tally.ended(self.program, program.end())
         return rospy.get_time()
 
     def end(self, soak):

@@ -252,7 +252,8 @@ class Soak:
         self.spin(0)
         if self.robot:
             self.robot.close()
-        self.tally.stubborn = self.system.end()
+        for name, status in self.system.end():
+            self.tally.ended(name, status)
         self.tally.replayed = self.system.replay_stops()
         self.system.remove_disk()
 

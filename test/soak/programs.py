@@ -10,7 +10,7 @@ import time
 from roslib.packages import find_node
 
 PAGE_KB = os.sysconf("SC_PAGE_SIZE") // 1024
-END_S = 5.0  # that a program has until it is killed
+END_S = 10.0  # that a program has until it is killed
 SETTLES_S = 60.0  # after which memory has to stay
 STAYS_S = 10.0  # what is given back sooner was a burst, as of queues while something stood still
 # glibc can give back what was freed only in its first arena. What is allocated is filled at once: pools that are reserved
@@ -66,7 +66,6 @@ class Program:
         self.process, self.started, self.down = None, 0.0, False
         self.memory = Memory()  # in this life
         self.grown_most, self.lived_s = self.memory, 0.0  # in that in which it grew most; the longest life
-        self.crashes = []
 
     def start(self):
         with open(self.log, "ab") as log:
@@ -84,18 +83,17 @@ class Program:
         self.process.wait()
 
     def end(self):
-        """@return whether it ended by itself when it was asked to."""
+        """Asks it to, as roslaunch does. @return its exit status, or None where it had to be killed."""
         self.down = True
         if self.process is None or self.process.poll() is not None:
-            return True
+            return 0
         self.signal(signal.SIGCONT)
-        self.signal(signal.SIGTERM)
+        self.signal(signal.SIGINT)
         try:
-            self.process.wait(END_S)
-            return True
+            return self.process.wait(END_S)
         except subprocess.TimeoutExpired:
             self.kill()
-            return False
+            return None
 
     def pause(self):
         self.down = True
@@ -111,7 +109,6 @@ class Program:
             return None
         status = self.process.poll()
         if status is not None:
-            self.crashes.append(status)
             return status
         lived_s = time.monotonic() - self.started
         kilobytes = rss_kb(self.process.pid)

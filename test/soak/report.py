@@ -42,6 +42,13 @@ class Tally:
         self.found += [{"episode": self.last, "faults": names, "what": one.what, "why": one.why,
                         "at_s": one.at, "figure": one.figure} for one in found]
 
+    def ended(self, name, status):
+        """One that was asked to. @param status None where it had to be killed."""
+        if status is None:
+            self.stubborn.append(name)
+        elif status != 0:
+            self.crash(name, status, ["asked to end"])
+
     def crash(self, name, status, names):
         self.crashes.append({"episode": self.last + 1, "program": name, "status": status, "faults": names})
 

@@ -101,8 +101,9 @@ class System:
         return ended
 
     def end(self):
-        """@return those that had to be killed."""
-        return [program.name for program in reversed(list(self.programs.values())) if not program.end()]
+        """@return (name, exit status) of those that did not end well, without status where they had to be killed."""
+        ended = [(program.name, program.end()) for program in reversed(list(self.programs.values()))]
+        return [one for one in ended if one[1] != 0]
 
     def replay_stops(self):
         """@return (how many stops were written and are there still, names of those that another verdict came of)"""
