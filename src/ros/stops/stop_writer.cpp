@@ -1,13 +1,20 @@
 #include "ros/stops/stop_writer.h"
 
+#include <fcntl.h>
 #include <ros/serialization.h>
 #include <rosbag/bag.h>
 #include <std_msgs/String.h>
+#include <sys/mman.h>
+#include <sys/sendfile.h>
+#include <sys/stat.h>
 #include <topic_tools/shape_shifter.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
 #include <memory>
+#include <system_error>
 #include <utility>
 
 #include "ros/conversions.h"
@@ -19,6 +26,43 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kBegin = "stop_";
+
+std::system_error lastError() { return {errno, std::generic_category()}; }
+
+/// An open file, closed at its end.
+class OpenFile {
+ public:
+  /// @throws std::system_error where it could not be opened
+  explicit OpenFile(int descriptor) : descriptor_(descriptor) {
+    if (descriptor < 0) throw lastError();
+  }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+  ~OpenFile() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+
+  [[nodiscard]] int descriptor() const { return descriptor_; }
+  /// @throws std::system_error where what was written is not there
+  void close() {
+    if (::close(std::exchange(descriptor_, -1)) != 0) throw lastError();
+  }
+
+ private:
+  int descriptor_;
+};
+
+/// @throws std::system_error
+void copy(const OpenFile& from, const std::string& path) {
+  struct stat status = {};
+  if (::fstat(from.descriptor(), &status) != 0) throw lastError();
+  OpenFile to(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+  for (off_t at = 0; at < status.st_size;) {
+    const auto left = static_cast<std::size_t>(status.st_size - at);
+    if (::sendfile(to.descriptor(), from.descriptor(), &at, left) <= 0) throw lastError();
+  }
+  to.close();
+}
 
 void writeText(rosbag::Bag& bag, const StopTopic& topic, const ros::Time& stamp,
                const std::string& text) {
@@ -99,7 +143,9 @@ void StopWriter::run() {
     std::error_code ignored;
     try {
       deleteOldest();
-      writeBag(active, chunks_);
+      const OpenFile memory(::memfd_create("stop", MFD_CLOEXEC));
+      writeBag("/proc/self/fd/" + std::to_string(memory.descriptor()), chunks_);
+      copy(memory, active);
       fs::rename(active, path);
     } catch (const std::exception& error) {  // a full disk, as a rule
       defect = path + ": " + error.what();
@@ -118,8 +164,8 @@ void StopWriter::run() {
 
 void StopWriter::writeBag(const std::string& path,
                           const std::vector<RecordRing::Chunk*>& chunks) const {
-  // A bag that cannot be closed, as on a full disk, throws from its destructor and ends the
-  // process: such a one is left where it is.
+  // One that cannot be closed, for want of memory, throws from its destructor and ends the process:
+  // such a one is left where it is.
   auto owned = std::make_unique<rosbag::Bag>(path, rosbag::bagmode::Write);
   rosbag::Bag& bag = *owned.release();
   bag.setCompression(rosbag::compression::LZ4);

@@ -12,7 +12,9 @@
 
 namespace tccm {
 
-/// Writes stops as bags, in a thread of its own: at most so many, the oldest is deleted.
+/// Writes stops as bags, in a thread of its own: at most so many, the oldest is deleted. A bag is
+/// made in memory and copied to the disk: rosbag's ends the process, from its destructor, where the
+/// disk is full.
 class StopWriter {
  public:
   /// What every bag begins with.
@@ -43,7 +45,7 @@ class StopWriter {
 
  private:
   void run();
-  /// @throws std::exception
+  /// @param path of a file in memory. @throws std::exception
   void writeBag(const std::string& path, const std::vector<RecordRing::Chunk*>& chunks) const;
   void deleteOldest() const;
 

@@ -3,8 +3,12 @@
 #include <gtest/gtest.h>
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
+#include <sys/mount.h>
 
 #include <chrono>
+#include <filesystem>
+#include <iterator>
+#include <random>
 #include <string>
 #include <thread>
 #include <vector>
@@ -99,6 +103,50 @@ TEST_F(StopRecorderTest, AfterTimeBeganAnewNothingIsCommanded) {
   command(moving({"shoulder"}));
   recorder_.startAnew(now_);
   EXPECT_EQ(known(), Joints{});
+}
+
+/// Where it may not mount, it is skipped.
+class StopRecorderOnFullDiskTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (::mount("tmpfs", folder_.path().c_str(), "tmpfs", 0, "size=64k") != 0) {
+      GTEST_SKIP() << "no small disk can be made here: that takes the right to mount";
+    }
+  }
+  void TearDown() override { ::umount2(folder_.path().c_str(), MNT_DETACH); }
+
+  test::TemporaryFolder folder_;
+};
+
+std::size_t openFiles() {
+  const auto all = std::filesystem::directory_iterator("/proc/self/fd");
+  return static_cast<std::size_t>(std::distance(begin(all), end(all)));
+}
+
+TEST_F(StopRecorderOnFullDiskTest, NothingIsLeftOfAStopThatCannotBeWritten) {
+  std::string text;  // that cannot be compressed to what there is room for
+  for (std::minstd_rand random(1); text.size() < 200'000;) {
+    text += static_cast<char>(' ' + random() % 64);
+  }
+  const std::size_t open = openFiles();
+  for (int i = 0; i < 3; ++i) {
+    StopRecorder recorder({folder_.path(), 5, 8.0}, {text, "<robot/>", "b: 2"}, {""});
+    Verdict verdict;
+    for (const bool stops : {false, true}) {
+      verdict.stop = stops;
+      verdict.reason = stops ? Reason::kCollision : Reason::kClear;
+      verdict.reasons = {verdict.reason};
+      verdict.stamp += std::chrono::seconds(100);
+      recorder.fail(verdict.stamp, {}, verdict);
+    }
+    while (recorder.report().writer.defect.empty()) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    const std::string defect = recorder.report().writer.defect;
+    EXPECT_NE(defect.find("No space left on device"), std::string::npos) << defect;
+  }
+  EXPECT_EQ(openFiles(), open);
+  EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
 }
 
 }  // namespace
