@@ -12,8 +12,8 @@ bool isContact(Reason reason) { return reason == Reason::kCollision || reason ==
 /// Holds until it is reset.
 bool isLasting(Reason reason) { return isContact(reason) || levelOf(reason) == Level::kFault; }
 
-bool isContactAhead(Reason reason) {
-  return reason == Reason::kCollisionAhead || reason == Reason::kKeepOutAhead;
+bool isOcclusion(Reason reason) {
+  return reason == Reason::kOcclusion || reason == Reason::kOcclusionAhead;
 }
 
 }  // namespace
@@ -68,8 +68,9 @@ Cause Permission::held(Time now, const Findings& findings, bool moving_out) {
             latched_.link};
   }
   if (!last_stop_) return {};
-  const bool moves_out_of_it = moving_out && !isContactAhead(last_stop_reason_);
-  if (moves_out_of_it || is_suspended) return {};
+  const bool is_led_out_of = isContact(last_stop_reason_) ? isContact(findings.touching.reason)
+                                                          : isOcclusion(last_stop_reason_);
+  if ((moving_out && is_led_out_of) || is_suspended) return {};
   const Duration release = std::max(fromSeconds(config_.release_s), findings.window);
   if (now - *last_stop_ >= release && clear_checks_ >= config_.release_checks) {
     last_stop_.reset();

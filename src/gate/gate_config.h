@@ -27,6 +27,8 @@ struct GateConfig {
     void validate() const;
   };
 
+  static constexpr const char* kGuardName = "gate_guard";  ///< of the node, beside the gate
+
   double rate_hz = 200.0;
   double joints_age_max_s = 0.1;
   double start_tolerance = 0.01;

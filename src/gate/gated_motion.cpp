@@ -190,7 +190,10 @@ const GatedMotion::Step& GatedMotion::step(const Instant& now, const PermissionG
   step_.setpoint = &setpoint_;
   std::string off = astray(positions);
   if (!off.empty()) return finish(End::kOffPath, std::move(off));
-  if (time_s_ >= path_->duration()) return settle(now, positions, velocities);
+  if (time_s_ >= path_->duration()) {
+    if (follows_plan) step_.is_replanned = false;  // nothing is left to be planned
+    return settle(now, positions, velocities);
+  }
   if (config_.pace == Pace::kSetpoints) off = beyond(tolerances_.path, positions, velocities);
   if (!off.empty()) return finish(End::kOffPath, std::move(off));
   const double told_s = told_time_s_ + told_scale_ * toSeconds(now.stamp - told_);
@@ -209,7 +212,7 @@ JointTrajectory GatedMotion::plan() const {
   const double change = aim_ - scale_;
   const double change_s =
       change > 0.0 ? change / config_.scale_rise_per_s : -change * fallDuration();
-  if (change_s <= 0.0) return path_->rest(time_s_, aim_);
+  if (change_s <= 0.0 || time_s_ >= path_->duration()) return path_->rest(time_s_, aim_);
   // Until then the scale goes from what it is to what it is to be.
   JointTrajectory plan;
   plan.names = path_->names();

@@ -13,6 +13,8 @@ namespace {
 
 using Point = JointTrajectory::Point;
 
+constexpr double kLongest_s = 1e6;  // at the least speed, the times of messages still hold it
+
 bool allFinite(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
 }
@@ -36,6 +38,10 @@ std::string defectOf(const JointTrajectory& trajectory) {
       return lineOf("point %zu has a number that is not finite", i);
     }
     if (point.time_s < 0.0) return lineOf("point %zu lies before the start", i);
+    if (point.time_s > kLongest_s) {
+      return lineOf("point %zu lies %.3g s after the start, at most %.3g s are allowed", i,
+                    point.time_s, kLongest_s);
+    }
     if (i > 0 && point.time_s <= trajectory.points[i - 1].time_s) {
       return lineOf("point %zu is not after the one before it", i);
     }

@@ -39,9 +39,12 @@ class ArmDriver {
   /// Nothing while the motion goes on.
   [[nodiscard]] virtual std::optional<End> end(const Instant& now) = 0;
   /// Stops the arm, whatever moves it, and forgets the motion. @param positions, velocities of its
-  /// joints as they were known last; none: not known.
+  /// joints now; none: not known.
   virtual void hold(const std::vector<double>& positions, const std::vector<double>& velocities,
                     const Instant& now) = 0;
+  /// They are known again: to be called after hold() without them, as long as the arm is held.
+  virtual void stay(const std::vector<double>& /*positions*/,
+                    const std::vector<double>& /*velocities*/) {}
 };
 
 }  // namespace tccm

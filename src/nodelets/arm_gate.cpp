@@ -170,7 +170,12 @@ void ArmGate::step(const Instant& now) {
   driver_->keepInTouch(now);
   if (!held_ && !pending_) return;
   const std::string unknown = readJoints(now.stamp);
-  if (unknown.empty()) watchRest(now);
+  if (unknown.empty()) {
+    watchRest(now);
+    driver_->stay(positions_, velocities_);
+  } else {
+    rests_since_ = now.steady;  // it is not known to
+  }
   if (held_) watchHold(now);
   if (!pending_) return;
   if (!unknown.empty()) return reject(Result::INVALID_GOAL, unknown);
@@ -199,8 +204,8 @@ void ArmGate::watchHold(const Instant& now) {
   }
   if (since_s < config_.motion.stop_duration_s + kHoldAgain_s || holds_ >= kHoldsMax) return;
   fault_ = lineOf(
-      "%.100s: the arm does not stand %.1f s after it was told to: look at its "
-      "controller",
+      "%.100s: the arm is not known to stand %.1f s after it was told to: look at its "
+      "controller and its joint states",
       name_.c_str(), since_s);
   ROS_ERROR("%s", fault_.c_str());
   const int holds = holds_ + 1;
@@ -323,7 +328,11 @@ void ArmGate::tell(const JointTrajectory& way, Time start) {
 void ArmGate::tellNothing() { tell({rules_.joints(), {}}, now().stamp); }
 
 void ArmGate::hold(const Instant& now) {
-  driver_->hold(positions_, velocities_, now);  // before all that can wait
+  // Goals end where joint states grow too old: until then the arm went on.
+  std::vector<double> positions, velocities;
+  JointPositions::expect(watched_, now.stamp, 2.0 * config_.joints_age_max_s, positions,
+                         velocities);
+  driver_->hold(positions, velocities, now);  // before all that can wait
   motion_.forget();
   held_ = now.steady;
   rests_since_ = now.steady;

@@ -62,6 +62,7 @@ void ForwardDriver::begin(const GatedMotion& motion,
   goal_.goal_tolerance = goal.goal_tolerance;
   goal_.goal_time_tolerance = goal.goal_time_tolerance;
   end_.reset();
+  owes_hold_ = false;
   waits_for_slider_ = slider_ != nullptr;
   if (slider_) {
     slid_at_ = now.steady;
@@ -95,6 +96,12 @@ void ForwardDriver::send(const trajectory_msgs::JointTrajectory& way, Time start
   goal_.trajectory.points.erase(goal_.trajectory.points.begin());
   sent_at_ = now.steady;
   is_answered_ = false;
+  if (sent_) superseded_.push_back(*sent_);
+  const auto is_heard_of = [](const Client::GoalHandle& goal) {
+    return goal.getCommState() != actionlib::CommState::WAITING_FOR_GOAL_ACK;
+  };
+  superseded_.erase(std::remove_if(superseded_.begin(), superseded_.end(), is_heard_of),
+                    superseded_.end());
   sent_ = client_->sendGoal(goal_,
                             [this](const Client::GoalHandle& handle) { hearTransition(handle); });
 }
@@ -137,24 +144,31 @@ void ForwardDriver::hold(const std::vector<double>& positions,
                          const std::vector<double>& velocities, const Instant& /*now*/) {
   // A controller that has given up a goal may go on with its trajectory: there is nothing to
   // cancel.
-  const bool sends_goal = controller_.hold == "goal" || !sent_ || end_;
-  // Whoever sent them; but not the one that follows.
-  if (client_ && sends_goal) {
-    client_->cancelGoalsAtAndBeforeTime(ros::Time::now() - ros::Duration(0, 1));
-  } else if (client_) {
-    client_->cancelAllGoals();
-  }
-  if (sent_) sent_->reset();
+  owes_hold_ = client_ && (controller_.hold == "goal" || !sent_ || end_);
+  // Whoever sent them.
+  if (client_) client_->cancelAllGoals();
+  // Cancellations come by a connection of their own, and overtake goals. A server notes those of a
+  // goal that it does not know yet only by the goal's name.
+  if (sent_) superseded_.push_back(*sent_);
+  for (Client::GoalHandle& goal : superseded_) goal.cancel();
+  superseded_.clear();
   sent_.reset();
   end_.reset();
   waits_for_slider_ = false;
   if (slider_) slider_->forget();
   if (controller_.hold == "command") command_.publish(trajectory_msgs::JointTrajectory());
-  if (client_ && sends_goal && !positions.empty()) sendHold(positions, velocities);
+  if (!positions.empty()) stay(positions, velocities);
 }
 
-void ForwardDriver::sendHold(const std::vector<double>& positions,
-                             const std::vector<double>& velocities) {
+void ForwardDriver::cancelUnheard() {
+  const ros::Time now = ros::Time::now();
+  if (client_ && !now.isZero()) client_->cancelGoalsAtAndBeforeTime(now - ros::Duration(0, 1));
+}
+
+void ForwardDriver::stay(const std::vector<double>& positions,
+                         const std::vector<double>& velocities) {
+  if (!owes_hold_) return;
+  owes_hold_ = false;
   control_msgs::FollowJointTrajectoryGoal goal;
   goal.trajectory.joint_names = joints_;
   goal.trajectory.points.resize(1);

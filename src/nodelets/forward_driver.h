@@ -31,6 +31,10 @@ class ForwardDriver : public ArmDriver {
   [[nodiscard]] std::optional<End> end(const Instant& now) override;
   void hold(const std::vector<double>& positions, const std::vector<double>& velocities,
             const Instant& now) override;
+  void stay(const std::vector<double>& positions, const std::vector<double>& velocities) override;
+  /// Besides hold(), goals that somebody else has sent and that the controller has yet to hear of.
+  /// Until ROS time is later than now it takes no goal.
+  void cancelUnheard();
 
  private:
   using Client = actionlib::ActionClient<control_msgs::FollowJointTrajectoryAction>;
@@ -38,7 +42,7 @@ class ForwardDriver : public ArmDriver {
   /// A goal of what is left, from now or from the start on.
   void send(const trajectory_msgs::JointTrajectory& way, Time start, const Instant& now);
   void hearTransition(const Client::GoalHandle& handle);
-  void sendHold(const std::vector<double>& positions, const std::vector<double>& velocities);
+
   GateConfig::Controller controller_;
   std::vector<std::string> joints_;
   std::chrono::nanoseconds answer_timeout_;
@@ -49,8 +53,10 @@ class ForwardDriver : public ArmDriver {
   control_msgs::FollowJointTrajectoryGoal goal_;  ///< of the motion, to be sent with what is left
   bool waits_for_slider_ = false;                 ///< the goal is sent once it is set
   std::chrono::nanoseconds slid_at_{0};  ///< when the slider was last known to be where it is to be
-  std::optional<Client::GoalHandle> sent_;  ///< the newest of the motion
+  std::optional<Client::GoalHandle> sent_;      ///< the newest of the motion
+  std::vector<Client::GoalHandle> superseded_;  ///< older ones that it may have yet to hear of
   std::optional<Client::GoalHandle> hold_;
+  bool owes_hold_ = false;  ///< a goal to stay, once it is known where
   std::chrono::nanoseconds sent_at_{0}, looked_at_{0};
   bool is_answered_ = false, is_there_ = false;
   std::optional<End> end_;

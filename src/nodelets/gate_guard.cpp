@@ -19,6 +19,7 @@
 #include "ros/goal_conversions.h"
 #include "ros/handles.h"
 #include "ros/server_config.h"
+#include "tccm_monitor/config_error.h"
 
 namespace tccm {
 namespace {
@@ -34,7 +35,12 @@ Has the arms halt where the trajectory_gate is silent for 60 ms while one of the
 
 class GateGuard {
  public:
-  explicit GateGuard(const GateConfig& config) {
+  explicit GateGuard(const GateConfig& config) : joints_age_max_s_(config.joints_age_max_s) {
+    const std::string name = node_.resolveName(GateConfig::kGuardName);
+    if (ros::this_node::getName() != name) {
+      throw ConfigError("it has to be named " + name +
+                        ": by its name the trajectory_gate knows it");
+    }
     const auto model = sharedRobotModel(node_);
     for (GateConfig::Controller controller : config.controllers) {
       if (!controller.forwards()) continue;
@@ -63,18 +69,33 @@ class GateGuard {
 
   void receive(const std_msgs::Bool::ConstPtr& moving) {
     is_moving_ = moving->data != 0;
+    holds_ = false;
     heard_ = ros::SteadyTime::now();
   }
 
   void watch() {
     constexpr double kSilence_s = 0.06;
     keepInTouch();
+    if (holds_) stay();
     const double silent_s = (ros::SteadyTime::now() - heard_).toSec();
     if (!is_moving_ || silent_s <= kSilence_s) return;
     is_moving_ = false;
     ROS_ERROR("The trajectory_gate is silent for %.3f s while an arm moves: all arms are held.",
               silent_s);
     for (const Arm& arm : arms_) hold(arm);
+    holds_ = true;
+  }
+
+  /// Where arms are may not have been known when they were held.
+  void stay() {
+    for (const Arm& arm : arms_) {
+      if (whereIs(arm)) arm.driver->stay(positions_, velocities_);
+    }
+  }
+
+  bool whereIs(const Arm& arm) {
+    return JointPositions::expect(arm.joints, now().stamp, joints_age_max_s_, positions_,
+                                  velocities_);
   }
 
   /// The gate takes goals as soon as somebody hears whether arms move. That is not before all arms
@@ -91,15 +112,10 @@ class GateGuard {
     moving_ = hear(node_, "trajectory_gate/moving", 10, &GateGuard::receive, this);
   }
 
-  static void hold(const Arm& arm) {
-    std::vector<double> positions, velocities;
-    for (const JointPositions::Joint* joint : arm.joints) {
-      if (!joint->is_known) continue;
-      positions.push_back(joint->position);
-      velocities.push_back(joint->velocity);
-    }
-    if (positions.size() < arm.joints.size()) positions.clear();
-    arm.driver->hold(positions, velocities, now());
+  void hold(const Arm& arm) {
+    whereIs(arm);  // or nowhere
+    arm.driver->cancelUnheard();
+    arm.driver->hold(positions_, velocities_, now());
   }
 
   ros::NodeHandle node_;
@@ -107,7 +123,9 @@ class GateGuard {
   std::vector<Arm> arms_;
   ros::Subscriber joint_states_, moving_;
   ros::SteadyTimer timer_;
-  bool is_moving_ = false;
+  std::vector<double> positions_, velocities_;  ///< of one arm's joints
+  double joints_age_max_s_;
+  bool is_moving_ = false, holds_ = false;
   ros::SteadyTime heard_ = ros::SteadyTime::now();
 };
 

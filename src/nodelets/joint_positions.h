@@ -51,6 +51,26 @@ class JointPositions {
       joint.was_heard = true;
     }
   }
+  /// Where joints are now, if they went on as they were going. @param age_max of what is known.
+  /// @return whether that is known of all; else both are left empty.
+  [[nodiscard]] static bool expect(const std::vector<const Joint*>& joints, Time now,
+                                   double age_max_s, std::vector<double>& positions,
+                                   std::vector<double>& velocities) {
+    positions.clear();
+    velocities.clear();
+    for (const Joint* joint : joints) {
+      const double age_s = toSeconds(now - joint->stamp);
+      if (!joint->is_known || age_s > age_max_s) {
+        positions.clear();
+        velocities.clear();
+        return false;
+      }
+      positions.push_back(joint->position + joint->velocity * std::max(age_s, 0.0));
+      velocities.push_back(joint->velocity);
+    }
+    return true;
+  }
+
   /// Time jumped back: nothing is known.
   void clear() {
     for (auto& [name, joint] : joints_) joint = Joint();

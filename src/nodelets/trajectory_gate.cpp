@@ -39,7 +39,8 @@ class TrajectoryGate : public DiagnosedNodelet {
       execution_event_ = advertise<std_msgs::String>(node(), config_.execution_event, 10);
     }
     questions_ = std::make_unique<TrajectoryQuestions>(node());
-    moving_ = advertiseCounting<std_msgs::Bool>(node(), "trajectory_gate/moving", 10, guards_);
+    moving_ = advertiseCounting<std_msgs::Bool>(node(), "trajectory_gate/moving", 10, guards_,
+                                                node().resolveName(GateConfig::kGuardName));
     for (const GateConfig::Controller& controller : config_.controllers) {
       arms_.push_back(std::make_unique<ArmGate>(
           node(), config_, controller, rulesOf(node(), controller, *model),

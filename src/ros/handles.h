@@ -33,13 +33,17 @@ template <typename Message>
 }
 
 /// Counts who listens as they come and go: to ask the publisher each time takes a lock.
+/// @param who a node's name; empty: all of them.
 template <typename Message>
 [[nodiscard]] ros::Publisher advertiseCounting(ros::NodeHandle node, const std::string& topic,
-                                               std::uint32_t queue, int& listeners) {
-  return required(node.advertise<Message>(
-                      topic, queue, [&listeners](const auto& /*listener*/) { ++listeners; },
-                      [&listeners](const auto& /*listener*/) { --listeners; }),
-                  node, topic);
+                                               std::uint32_t queue, int& listeners,
+                                               const std::string& who = {}) {
+  const auto counts = [&listeners, who](int change) {
+    return [&listeners, who, change](const ros::SingleSubscriberPublisher& listener) {
+      if (who.empty() || listener.getSubscriberName() == who) listeners += change;
+    };
+  };
+  return required(node.advertise<Message>(topic, queue, counts(1), counts(-1)), node, topic);
 }
 
 template <typename Object, typename Request, typename Response>

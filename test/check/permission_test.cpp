@@ -219,6 +219,19 @@ TEST_F(PermissionTest, ComingOutOfAHidingPlaceDoesNotCutTheReleaseOfAContactAhea
   EXPECT_EQ(decideOnWayOut(), Reason::kMovingOut) << "out of what stopped it";
 }
 
+TEST_F(PermissionTest, ComingOutOfAHidingPlaceCutsTheReleaseOfNoOtherStopShort) {
+  moved_out_of_ = {};
+  Permission::Config config;
+  config.hold_until_reset = false;
+  for (const Reason reason : {Reason::kApproached, Reason::kEvidenceOld, Reason::kBadTrajectory,
+                              Reason::kCollision, Reason::kKeepOut, Reason::kNoJoints}) {
+    permission_ = Permission(config);
+    decide({});
+    decideUntil(now_ + 0.2, {Cause(reason, "it stops", "hand")});
+    EXPECT_EQ(decide({kMovesOut}).worst.reason, Reason::kReleasing) << name(reason);
+  }
+}
+
 TEST_F(PermissionTest, AFaultThatIsOverIsResetInContactSoThatTheRobotCanMoveOut) {
   decide({});
   now_ += 0.02;

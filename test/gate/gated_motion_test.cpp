@@ -397,6 +397,18 @@ TEST_F(PlannedMotionTest, AnEndThatComesWhileItSlowsDownIsReached) {
   EXPECT_GE(plan_->duration(), 0.1);
 }
 
+TEST_F(PlannedMotionTest, BeyondTheEndNothingIsPlannedWhateverIsPermitted) {
+  setOffPlanned(tenRadians());
+  for (int i = 0; i < 2010; ++i) cycle(1.0);
+  ASSERT_TRUE(motion_.active());
+  const int plans = plans_;
+  for (const double scale : {0.5, 0.2, 1.0}) {
+    for (int i = 0; i < 10; ++i) cycle(scale);
+    EXPECT_EQ(motion_.plan().points.size(), 1U) << scale;
+  }
+  EXPECT_EQ(plans_, plans);
+}
+
 TEST_F(PlannedMotionTest, AScaleThatTremblesMakesFewPlans) {
   setOffPlanned(tenRadians());
   for (int i = 0; i < 1000; ++i) cycle(0.8 + 0.05 * std::sin(0.3 * i));

@@ -103,6 +103,7 @@ TEST(GoalRulesTest, WhatCannotBeFollowedIsRefused) {
            {point(nan, to)},
            {point(std::numeric_limits<double>::infinity(), to)},
            {point(-1.0, to), point(1.0, to)},
+           {point(1.0, to), point(2e9, to)},  // more than messages hold at a lower speed
            {point(1.0, to), point(1.0, to)},
            {point(2.0, to), point(1.0, to)},
            {point(0.0, to)}}) {

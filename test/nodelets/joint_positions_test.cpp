@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <vector>
 
 namespace tccm {
 namespace {
@@ -71,6 +72,24 @@ TEST_F(JointPositionsTest, AfterAClearNothingIsKnown) {
   message_.velocity.clear();
   hear(5.0, 1.0);
   EXPECT_FALSE(elbow_.is_known) << "the velocity before time jumped is none";
+}
+
+TEST_F(JointPositionsTest, WhereJointsAreNowIsOnlyKnownFromWhatIsFresh) {
+  message_.velocity = {0.5};
+  hear(10.0, 1.0);
+  std::vector<double> positions, velocities;
+  EXPECT_TRUE(JointPositions::expect({&elbow_}, at(10.08), 0.1, positions, velocities));
+  ASSERT_EQ(positions.size(), 1U);
+  EXPECT_NEAR(positions[0], 1.04, 1e-9) << "it went on";
+  EXPECT_EQ(velocities, std::vector<double>{0.5});
+  EXPECT_TRUE(JointPositions::expect({&elbow_}, at(9.98), 0.1, positions, velocities));
+  EXPECT_EQ(positions, std::vector<double>{1.0}) << "stamped a little later than now";
+  EXPECT_FALSE(JointPositions::expect({&elbow_}, at(10.12), 0.1, positions, velocities));
+  EXPECT_TRUE(positions.empty() && velocities.empty());
+  const JointPositions::Joint& never_heard_of = *joints_.watch("wrist");
+  EXPECT_FALSE(
+      JointPositions::expect({&elbow_, &never_heard_of}, at(10.0), 0.1, positions, velocities));
+  EXPECT_TRUE(positions.empty() && velocities.empty());
 }
 
 }  // namespace

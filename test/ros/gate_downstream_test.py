@@ -11,7 +11,7 @@ import actionlib
 import genpy
 import rospy
 import rostest
-from actionlib_msgs.msg import GoalStatus
+from actionlib_msgs.msg import GoalID, GoalStatus
 from control_msgs.msg import FollowJointTrajectoryAction, FollowJointTrajectoryResult
 from trajectory_msgs.msg import JointTrajectory
 
@@ -51,7 +51,10 @@ class Controller:
     def __init__(self, name):
         self.answer = None
         self.forget()
+        self.cancelled_ids = []
         self.lock = threading.Lock()
+        rospy.Subscriber(f"{name}/follow_joint_trajectory/cancel", GoalID,
+                         lambda message: self.cancelled_ids.append(message.id))
         rospy.Subscriber(f"{name}/command", JointTrajectory,
                          lambda message: self.commands.append(message))
         self.server = actionlib.ActionServer(f"{name}/follow_joint_trajectory",
@@ -67,6 +70,7 @@ class Controller:
         is_stay = bool(goal.trajectory.points[-1].velocities)  # those of this test have none
         with self.lock:
             (self.stays if is_stay else self.goals).append(goal)
+            self.last_id = handle.get_goal_id().id
         self.answer(handle)
 
     def cancel(self, handle):
@@ -178,6 +182,14 @@ class GateDownstreamTest(unittest.TestCase):
         self.assert_aborted(arm, FollowJointTrajectoryResult.PATH_TOLERANCE_VIOLATED,
                             "left_arm_controller does not answer for 0.5 s")
         self.assertLess(time.monotonic() - sent, 1.2)
+        wait_for(lambda: controller.cancelled, 5.0)
+
+    def test_a_goal_that_its_cancellation_overtakes_is_cancelled_by_its_name(self):
+        arm, controller = self.send("left", silent)
+        name = controller.last_id
+        self.monitor.permit(MotionPermission.STOP, 0.0, ["COLLISION"])
+        self.assert_aborted(arm, FollowJointTrajectoryResult.INVALID_GOAL, "COLLISION")
+        wait_for(lambda: name in controller.cancelled_ids)
         wait_for(lambda: controller.cancelled, 5.0)
 
     def test_an_arm_that_does_not_follow_ends_the_goal(self):
