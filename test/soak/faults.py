@@ -8,7 +8,7 @@ import time
 import rospy
 from std_msgs.msg import String
 
-from input_gate import altered, dated, nothing
+from input_gate import dated
 
 # Of monitored.yaml; the docs say what each is for.
 JOINTS_S = 0.3
@@ -61,7 +61,7 @@ class Fault:
 
 
 class ClockFault(Fault):
-    """@param change_of as for InputFault, of messages of /clock."""
+    """@param change_of makes of random numbers what the clock's gate is told."""
 
     is_by_wall, is_clear = True, False
 
@@ -82,18 +82,6 @@ class ClockFault(Fault):
         return rospy.get_time()
 
 
-def to_and_fro(random):
-    """As of two sources."""
-    apart, count = random.uniform(0.5, 5.0), [0]
-
-    def change(message):
-        count[0] += 1
-        if count[0] % 3 == 0:
-            message.clock -= rospy.Duration.from_sec(apart)
-        return [message]
-    return change
-
-
 class TimeJump(Fault):
     """All that is heard is stamped earlier from now on, and later again at the end: as of a recording that is played from
     another place."""
@@ -108,10 +96,8 @@ class TimeJump(Fault):
         self.way = random.uniform(0.3, 30.0)
 
     def begin(self, soak):
-        def earlier(message):
-            message.clock -= rospy.Duration.from_sec(self.way)
         for topic, gate in soak.robot.gates.items():
-            gate.close(altered(earlier) if topic == "/clock" else dated(-self.way))
+            gate.close(f"earlier {self.way}" if topic == "/clock" else dated(-self.way))
         return rospy.get_time()
 
     def end(self, soak):
@@ -248,7 +234,8 @@ def all_kinds():
     from inputs import Displaced, InputFault, input_kinds  # pylint: disable=import-outside-toplevel,cyclic-import
     kinds = [InputFault(*kind) for kind in input_kinds()] + [Displaced("right_elbow_link")]
     kinds += [TiltFault("frozen", STANDING_TILT_S), TiltFault("narrowed", None), TiltFault("turned_away", None)]
-    kinds += [ClockFault("stopped", lambda random: nothing, CLOCK_S), ClockFault("to and fro", to_and_fro, CLOCK_S),
+    kinds += [ClockFault("stopped", lambda random: "stopped", CLOCK_S),
+              ClockFault("to and fro", lambda random: f"to_and_fro {random.uniform(0.5, 5.0)}", CLOCK_S),
               TimeJump()]
     kinds += [Starved(), FullDisk(), *monitor_kinds(), *world_kinds()]
     return {kind.name: kind for kind in kinds}

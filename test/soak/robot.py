@@ -12,7 +12,6 @@ from actionlib_msgs.msg import GoalStatus
 from control_msgs.msg import FollowJointTrajectoryAction, FollowJointTrajectoryGoal
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Point
-from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState, LaserScan, PointCloud2
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
@@ -68,6 +67,19 @@ class Kept:
             return list(self.items)
 
 
+class ClockGate:
+    """What clock_gate.cpp does, which passes the simulation's clock on."""
+
+    def __init__(self):
+        self.publisher = rospy.Publisher("clock_gate/change", String, queue_size=10, latch=True)
+
+    def close(self, change):
+        self.publisher.publish(String(change))
+
+    def open(self):
+        self.publisher.publish(String())
+
+
 class Robot:
     """@var gates by topic, through which all that the monitor hears goes."""
 
@@ -82,7 +94,7 @@ class Robot:
         if "camera" in options.sensors:
             self.gates["camera_cloud"] = Gate("camera_cloud", PointCloud2)
         if options.clock == "simulated":
-            self.gates["/clock"] = Gate("/clock", Clock)
+            self.gates["/clock"] = ClockGate()
         for topic, kind, take in (("motion_permission", MotionPermission, self.take_permission),
                                   ("monitor_status", MonitorStatus, self.take_status),
                                   ("raw/joint_states", raw_type(JointState), self.take_joints),
@@ -142,8 +154,8 @@ class Robot:
         return rospy.get_time()
 
     def close(self):
-        for gate in self.gates.values():
-            gate.close(nothing)
+        for topic, gate in self.gates.items():
+            gate.close("stopped" if topic == "/clock" else nothing)
 
 
 class Operator(threading.Thread):

@@ -78,6 +78,8 @@ class System:
         self.add("simulation", node("tccm_monitor", "simulation_node", "simulation", "scan:=raw/scan",
                                     "joint_states:=raw/joint_states", "/tf:=raw/tf", "/clock:=raw/clock",
                                     "camera/depth/color/points:=raw/camera_cloud"))
+        if self.clock == "simulated":
+            self.add("clock_gate", node("tccm_monitor", "soak_clock_gate", "clock_gate"))
         self.add("laser_assembler", nodelet("TiltScanAssembler", "tilt_scan_assembler", "laser", "scan:=/scan", *SHARED))
         self.add("laser_mapper", nodelet("TccmMapper", "tccm_mapper", "laser", *SHARED))
         if "camera" in self.sensors:
