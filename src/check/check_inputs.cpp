@@ -123,6 +123,9 @@ void CheckInputs::unite(Time now) {
     source.map = fits(i) ? sensors_[i].map() : nullptr;
     source.is_out = !outs_[i].empty();
     if (!source.is_out) source.seen = source.map;
+    // It was told to forget all that it saw.
+    const bool is_cleared = source.map && source.map->looks.empty();
+    if (is_cleared && source.seen && !source.seen->looks.empty()) source.seen = nullptr;
   }
   maps_.unite(now, sources_, std::exchange(maps_changed_, false));
 }

@@ -1,7 +1,6 @@
 #include "check/sensor_maps.h"
 
 #include <algorithm>
-#include <iterator>
 #include <tuple>
 
 namespace tccm {
@@ -18,6 +17,7 @@ bool isSame(const SensorMaps::Source& one, const SensorMaps::Source& other) {
 
 void SensorMaps::clear() {
   sources_.clear();
+  counted_.clear();
   kept_.clear();
   each_.clear();
   all_ = nullptr;
@@ -31,19 +31,12 @@ void SensorMaps::unite(Time now, const std::vector<Source>& sources, bool maps_c
     sources_ = sources;
     return;
   }
-  const auto counts = [now](const Source& source) {
-    return source.map && !(source.is_out && now - source.map->stamp > source.map->hold);
-  };
-  std::size_t in = 0;
-  bool changed = maps_changed;
-  for (const Source& source : sources) {
-    if (!counts(source)) continue;
-    changed = changed || in >= sources_.size() || !isSame(source, sources_[in]);
-    ++in;
+  select(now, sources);
+  if (!maps_changed &&
+      std::equal(counted_.begin(), counted_.end(), sources_.begin(), sources_.end(), isSame)) {
+    return;
   }
-  if (!changed && in == sources_.size()) return;
-  sources_.clear();
-  std::copy_if(sources.begin(), sources.end(), std::back_inserter(sources_), counts);
+  sources_ = counted_;
   each_.clear();
   kept_.clear();
   for (const Source& source : sources) {
@@ -53,6 +46,20 @@ void SensorMaps::unite(Time now, const std::vector<Source>& sources, bool maps_c
   }
   all_ = nullptr;
   if (!sources_.empty()) fill();
+}
+
+/// A map that began anew lacks what the sensor saw before: that is held as well.
+void SensorMaps::select(Time now, const std::vector<Source>& sources) {
+  counted_.clear();
+  const auto count = [&](const std::shared_ptr<const CuboidMap>& map, const Source& source) {
+    if (!map || (source.is_out && now - map->stamp > map->hold)) return;
+    if (!counted_.empty() && !fit(*counted_.front().map, *map)) return;
+    counted_.push_back({map, source.is_out, source.seen});
+  };
+  for (const Source& source : sources) count(source.map, source);
+  for (const Source& source : sources) {
+    if (source.is_out && source.seen != source.map) count(source.seen, source);
+  }
 }
 
 void SensorMaps::fill() {

@@ -13,7 +13,8 @@ namespace tccm {
 ///
 /// Each sensor's cuboids are in it, but for those that another sensor has looked through since they
 /// were seen last: time decides. So do those of a sensor that is not heard any more, as held ones,
-/// for as long as its mapper would hold them. Of one sensor alone its map is passed on as it is.
+/// for as long as its mapper would hold them; also those from before its map began anew. Of one
+/// sensor alone its map is passed on as it is.
 class SensorMaps {
  public:
   struct Source {
@@ -38,11 +39,14 @@ class SensorMaps {
   }
 
  private:
+  /// Which maps count now, in counted_.
+  void select(Time now, const std::vector<Source>& sources);
   void fill();
   void append(CellIndex cell, const Source& source);
   [[nodiscard]] bool isOverruled(const Cuboid& cuboid, const Source& by_source) const;
 
-  std::vector<Source> sources_;                         ///< that are in it
+  std::vector<Source> sources_;  ///< that are in it; of one that is out, maybe its last two maps
+  std::vector<Source> counted_;
   std::vector<std::shared_ptr<const CuboidMap>> kept_;  ///< those of each_
   std::vector<SensorView> each_;
   CuboidMap united_;

@@ -69,6 +69,11 @@ void Hold::clear() {
   lost_serial_.reset();
 }
 
+void Hold::noteLoss(const IntegrationMap& map) {
+  lost_serial_ = map.serial();
+  lost_at_ = map.newestStamp();
+}
+
 void Hold::follow(const ScanReturns& scan, const IntegrationMap& map, const LookMap& looks) {
   if (!active()) return;
   viewpointOf(map.serial()) = scan.viewpoint;
@@ -78,7 +83,7 @@ void Hold::follow(const ScanReturns& scan, const IntegrationMap& map, const Look
     const auto place = map.grid().place(p_fixed);
     if (!place) continue;
     const auto heights = map.occupiedBy(*place);
-    if (!held_.seen(place->cell, heights)) lost_serial_ = map.serial();
+    if (!held_.seen(place->cell, heights)) noteLoss(map);
   }
   askWhereChanged(looks);
   releaseSeen(scan, map, looks.image());
@@ -172,7 +177,7 @@ void Hold::expireOldest(IntegrationMap& map, const LookImage& looks, Time now) {
     const std::uint32_t support = around + heldAround(map.grid(), interval.cell, heights);
     const bool fits = held_.hold(
         {interval.cell, heights, points, support, interval.serial, interval.born, seen, now});
-    if (!fits) lost_serial_ = map.serial();
+    if (!fits) noteLoss(map);
   });
 }
 
@@ -195,7 +200,7 @@ void Hold::forget(const Region& region, const IntegrationMap& map) {
     const RegionPart part(shape, map.placeDoubt());
     const bool fits = held_.cut(
         [&](const HeldLayer::Interval& held) { return heightsIn(part, map.grid(), held); });
-    if (!fits) lost_serial_ = map.serial();
+    if (!fits) noteLoss(map);
   }
 }
 

@@ -51,9 +51,10 @@ class Hold {
 
   [[nodiscard]] const HeldLayer& held() const { return held_; }
   [[nodiscard]] HeldLayer& held() { return held_; }
-  /// Something that is still in the window's time could not be held for want of room.
+  /// Something that is still in the window's time, or would be held yet, was not for want of room.
   [[nodiscard]] bool overflowed(const IntegrationMap& map) const {
-    return lost_serial_ && map.serial() - *lost_serial_ < map.scans();
+    return lost_serial_ && (map.serial() - *lost_serial_ < map.scans() ||
+                            map.newestStamp() - lost_at_ < fromSeconds(config_.longest_s));
   }
   [[nodiscard]] std::size_t memoryBytes() const {
     return newest_looks_.memoryBytes() + held_.memoryBytes() + bytesOf(viewpoints_) +
@@ -64,6 +65,7 @@ class Hold {
   [[nodiscard]] Vector3& viewpointOf(std::uint32_t serial) {
     return viewpoints_[serial % viewpoints_.size()];
   }
+  void noteLoss(const IntegrationMap& map);
   void askWhereChanged(const LookMap& looks);
   void releaseSeen(const ScanReturns& scan, const IntegrationMap& map, const LookImage& looks);
   [[nodiscard]] bool mayBeInView(const HeldLayer::Interval& held, const Glance& glance,
@@ -78,6 +80,7 @@ class Hold {
   IndexSet asked_;  ///< directions in which the looks may have come to tell of a place
   Vector3 asked_from_ = Vector3::Zero();      ///< the viewpoint of these directions
   std::optional<std::uint32_t> lost_serial_;  ///< of the last scan when something could not be held
+  Time lost_at_;                              ///< its stamp
 };
 
 /// Keeps the integration map over its window, the last sweep of the tilting sensor; beside it what

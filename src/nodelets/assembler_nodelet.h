@@ -72,7 +72,9 @@ class AssemblerNodelet : public DiagnosedNodelet {
     report(arrived_report_);
   }
   void process() {
-    while (const auto* ready = source_->next(stage_->joints(), toTime(ros::Time::now()))) {
+    const Time now = toTime(ros::Time::now());
+    transforms_->setNow(now);
+    while (const auto* ready = source_->next(stage_->joints(), now)) {
       publish(*ready);
     }
   }

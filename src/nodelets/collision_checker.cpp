@@ -45,8 +45,9 @@ void CollisionChecker::setUp() {
   NODELET_INFO("Self-test passed: a cuboid in any of %zu primitives is found.",
                checker_->checkHere().collisionBody().shapes.size());
   becomeFault(Reason::kInit, "nothing was checked yet");
-  transforms_ =
-      std::make_unique<TransformHistory>(fromSeconds(config_.checker.inputs.transform_timeout_s));
+  // Poses are asked for that are as old as they may be; the agreement looks back for 3 s.
+  const Duration oldest = fromSeconds(config_.checker.inputs.transform_timeout_s);
+  transforms_ = std::make_unique<TransformHistory>(oldest, oldest + std::chrono::seconds(4));
   permission_publisher_ =
       advertise<tccm_monitor::MotionPermission>(node(), "motion_permission", 10);
   stop_publisher_ = advertise<std_msgs::Bool>(node(), "stop", 10);
@@ -231,6 +232,7 @@ void CollisionChecker::checkNow(const ros::Time& now) {
     if (recorder_) recorder_->startAnew(Time());
     return becomeFault(Reason::kInit, "simulated time has not begun");
   }
+  transforms_->setNow(toTime(now));
   placeRootsInFixedFrame(config_.fixed_frame, *checker_);
   const Cause outside = outsideCause();
   checker_->setOutsideCause(outside);
@@ -257,9 +259,8 @@ void CollisionChecker::noteLatency(const SensorFeed& feed) {
   const tccm_monitor::ScanReport& assembled = feed.assembled();
   if (toTime(assembled.header.stamp) != feed.published()->map->stamp) return;
   latencies_.transform_wait_s = static_cast<double>(assembled.transform_wait_s);
-  latencies_.ready_to_verdict_s =
-      (ros::WallTime::now() - ros::WallTime(assembled.ready_wall.sec, assembled.ready_wall.nsec))
-          .toSec();
+  const Time wall(std::chrono::nanoseconds(ros::WallTime::now().toNSec()));
+  latencies_.ready_to_verdict_s = toSeconds(wall - toTime(assembled.ready_wall));
   latencies_.longest_s = std::min(kLatencyMax, std::max(kLatencyForgotten * latencies_.longest_s,
                                                         latencies_.ready_to_verdict_s));
   checker_->setLatency(latencies_.longest_s);

@@ -72,13 +72,15 @@ class TccmMapper : public DiagnosedNodelet {
 
   /// What was read into returns_.
   void add(const char* topic, const std::string& frame) {
-    if (!frame_.empty() && frame != frame_) {
-      return drop(topic, "its frame is '" + frame + "', the map's is '" + frame_ + "'");
+    if (!frame_.empty() && frame != frame_ && !is_cleared_) {
+      return drop(topic, "its frame is '" + frame + "', the map's is '" + frame_ +
+                             "' until clear_map is called");
     }
     trace_.note("unpacked");
     const Mapper::Outcome outcome = mapper_->add(returns_);
     if (!outcome.dropped.empty()) return drop(topic, outcome.dropped);
     frame_ = frame;
+    is_cleared_ = false;
     ++mapped_;
     added_.mapped += outcome.added.mapped;
     added_.out_of_area += outcome.added.out_of_area;
@@ -178,6 +180,7 @@ class TccmMapper : public DiagnosedNodelet {
 
   bool clearMap(std_srvs::Trigger::Request& /*request*/, std_srvs::Trigger::Response& response) {
     mapper_->clear();
+    is_cleared_ = true;
     response.success = true;
     response.message = "the map is empty until the next scan, and INIT for a whole window";
     if (newest_) publish();
@@ -235,6 +238,7 @@ class TccmMapper : public DiagnosedNodelet {
   std::unique_ptr<PlaceAges> ages_;
   ScanReturns returns_;
   std::string frame_;
+  bool is_cleared_ = false;                       ///< nothing was mapped since
   std::vector<std::shared_ptr<CuboidMap>> maps_;  ///< used again once nobody holds them
   MessagePool<PublishedMap> published_;
   PublishedMap::ConstPtr newest_;

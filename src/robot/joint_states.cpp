@@ -58,23 +58,23 @@ void JointStates::reset() {
   for (JointTrack& track : tracks_) track.clear();
   last_message_.reset();
   contradicting_joint_.clear();
-  contradiction_.clear();
-  two_positions_ = out_of_range_ = {};
+  contradiction_ = two_positions_ = out_of_range_ = {};
   limit_defect_.clear();
   beyond_lower_.assign(rules_.size(), false);
   beyond_upper_.assign(rules_.size(), false);
 }
 
-void JointStates::compareWithFixed(const std::string& name, double position) {
+void JointStates::compareWithFixed(const std::string& name, double position, Time stamp) {
   const auto fixed = fixed_.find(name);
   if (fixed == fixed_.end()) return;
   if (!(std::abs(position - fixed->second) <= kFixedTolerance)) {
     contradicting_joint_ = name;
-    contradiction_ = lineOf("joint '%.100s' is published at %.3f, fixed_joints says %.3f",
-                            name.c_str(), position, fixed->second);
+    contradiction_ = {lineOf("joint '%.100s' is published at %.3f, fixed_joints says %.3f",
+                             name.c_str(), position, fixed->second),
+                      stamp};
   } else if (contradicting_joint_ == name) {
     contradicting_joint_.clear();
-    contradiction_.clear();
+    contradiction_.text.clear();
   }
 }
 
@@ -96,7 +96,9 @@ JointStates::Added JointStates::add(Time stamp, const std::vector<std::string>& 
   // sake.
   if (beginsAnew(message)) reset();
   for (std::size_t i = 0; i < names.size(); ++i) {
-    if (!fixed_.empty() && i < positions.size()) compareWithFixed(names[i], positions[i]);
+    if (!fixed_.empty() && i < positions.size()) {
+      compareWithFixed(names[i], positions[i], stamp);
+    }
     const auto found = index_.find(names[i]);
     if (found == index_.end()) continue;
     ++(addJoint(message, i, found->second) ? added.taken : added.refused);
@@ -259,7 +261,7 @@ void JointStates::lookForBrokenMimics(const Message& message) {
 }
 
 void JointStates::forgetOldDoubts() {
-  for (Doubt* doubt : {&two_positions_, &out_of_range_}) {
+  for (Doubt* doubt : {&contradiction_, &two_positions_, &out_of_range_}) {
     if (!doubt->text.empty() && *last_message_ - doubt->stamp > kDoubt) doubt->text.clear();
   }
 }
@@ -326,7 +328,7 @@ const JointSnapshot* JointStates::latest() {
 }
 
 bool JointStates::at(Time stamp, std::vector<double>& positions) const {
-  if (!contradiction_.empty() || !two_positions_.text.empty()) return false;
+  if (!contradiction_.text.empty() || !two_positions_.text.empty()) return false;
   positions.resize(tracks_.size());
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     const auto position = tracks_[i].at(stamp, config_.gap_max_s);

@@ -61,8 +61,8 @@ class JointStates {
   void reset();
 
   /// In one line, which joint is published elsewhere than the configuration fixes it, by more than
-  /// 0.01 rad or m; empty where none is. While there is one, nothing is known of the pose.
-  [[nodiscard]] const std::string& contradiction() const { return contradiction_; }
+  /// 0.01 rad or m; empty where none was for two seconds. Meanwhile nothing is known of the pose.
+  [[nodiscard]] const std::string& contradiction() const { return contradiction_.text; }
   /// In one line, which joint was said to be at two places at one time: twice in one message, by
   /// two that publish it, or against the rule of a mimic. Empty where none was for two seconds.
   /// Meanwhile nothing is known of the pose.
@@ -117,15 +117,15 @@ class JointStates {
   void lookForVelocityDefect(std::size_t joint);
   /// Fills in one joint of the snapshot.
   void findVelocity(std::size_t joint);
-  void compareWithFixed(const std::string& name, double position);
+  void compareWithFixed(const std::string& name, double position, Time stamp);
 
   Config config_;
   std::unordered_map<std::string, std::size_t> index_;
   std::map<std::string, double> fixed_;
   std::string contradicting_joint_;
-  std::string contradiction_;
   std::string velocity_defect_;
   std::string limit_defect_;
+  Doubt contradiction_;
   Doubt two_positions_;
   Doubt out_of_range_;
   std::vector<JointRule> rules_;                   ///< by joint

@@ -15,12 +15,10 @@ namespace {
 
 using Status = TransformHistory::Status;
 
-constexpr std::size_t kNamesMax = 2000;                  // of frames; tf2 never forgets one
-constexpr std::size_t kLongestChain = 1000;              // of frames; more is a loop
-constexpr Duration kJumpBack = std::chrono::seconds(1);  // more is time beginning anew
-// As long as tf2 keeps them.
-constexpr Duration kKept = std::chrono::seconds(tf2::BufferCore::DEFAULT_CACHE_TIME);
-constexpr Duration kKeptBeforeTidied = kKept * 5 / 4;
+constexpr std::size_t kLongestChain = 1000;                     // of frames; more is a loop
+constexpr Duration kJumpBack = std::chrono::seconds(1);         // more is time beginning anew
+constexpr Duration kStepBack = std::chrono::milliseconds(100);  // the same, of the clock
+constexpr const char* kAuthority = "tccm_monitor";
 
 /// Quaternions are often written with three digits. What is further off is no rotation.
 /// @return whether it is one.
@@ -69,23 +67,46 @@ void TransformHistory::add(const tf2_msgs::TFMessage& message, bool is_static) {
     }
     const Time stamp = toTime(transform_.header.stamp);
     std::vector<Time>& stamps = frame->stamps;
+    if (frame->parent && frame->is_static != is_static) {
+      ++turned_;
+      turned_frame_ = transform_.child_frame_id;
+      makeAnew(*frame);
+    }
     if (!is_static && !stamps.empty() && stamps.back() - stamp > kJumpBack) clear();
     // Of those of one stamp tf2 keeps the first, and prints lines for each of the others.
     if (!is_static && std::binary_search(stamps.begin(), stamps.end(), stamp)) continue;
-    if (!buffer_.setTransform(transform_, "tccm_monitor", is_static)) continue;
+    if (!buffer_->setTransform(transform_, kAuthority, is_static)) continue;
     // Nothing is interpolated from one parent to another.
     if (frame->parent != parent || is_static) stamps.clear();
     frame->parent = parent;
     frame->is_static = is_static;
-    if (is_static) continue;
+    if (is_static) {
+      frame->fixed = transform_;
+      continue;
+    }
     // Usually at the end; several publishers may be out of step.
     const auto at = std::upper_bound(stamps.begin(), stamps.end(), stamp);
     if (at == stamps.begin() || *(at - 1) != stamp) stamps.insert(at, stamp);
-    if (stamps.back() - stamps.front() > kKeptBeforeTidied) {
+    if (stamps.back() - stamps.front() > kept_ * 5 / 4) {
       stamps.erase(stamps.begin(),
-                   std::lower_bound(stamps.begin(), stamps.end(), stamps.back() - kKept));
+                   std::lower_bound(stamps.begin(), stamps.end(), stamps.back() - kept_));
     }
   }
+}
+
+/// tf2 has a frame static, or not, as it was heard first, and never changes that.
+void TransformHistory::makeAnew(const Frame& turned) {
+  buffer_ = std::make_unique<tf2::BufferCore>(toRos(kept_));
+  for (auto& [name, frame] : frames_) {
+    frame.stamps.clear();
+    if (&frame == &turned || !frame.parent || !frame.is_static) continue;
+    buffer_->setTransform(frame.fixed, kAuthority, true);
+  }
+}
+
+void TransformHistory::setNow(Time now) {
+  if (now + kStepBack < now_) clear();
+  now_ = now;
 }
 
 TransformHistory::Frame* TransformHistory::frameOf(const std::string& name) {
@@ -101,13 +122,19 @@ std::string TransformHistory::defect() const {
         "publishes ever new ones on /tf",
         passed_over_, kNamesMax);
   }
+  if (turned_ > 0) {
+    return lineOf(
+        "%.100s was heard of both on /tf and on /tf_static, %zu times in turn: each time all that "
+        "moves is forgotten; see who publishes it",
+        turned_frame_.c_str(), turned_);
+  }
   if (refused_ == 0) return "";
   return lineOf("%zu transforms were refused, at last that of %.100s: %s; see who publishes it",
                 refused_, refused_frame_.c_str(), why_refused_);
 }
 
 void TransformHistory::clear() {
-  buffer_.clear();
+  buffer_->clear();
   for (auto& entry : frames_) entry.second.stamps.clear();
 }
 
@@ -162,7 +189,7 @@ TransformHistory::Lookup TransformHistory::at(const std::string& target, const s
   });
   if (is_missing) return {status, Pose::Identity()};
   try {
-    const Pose pose(tf2::transformToEigen(buffer_.lookupTransform(target, source, toRos(stamp))));
+    const Pose pose(tf2::transformToEigen(buffer_->lookupTransform(target, source, toRos(stamp))));
     // Of huge numbers tf2 makes infinite ones.
     return {pose.matrix().allFinite() ? Status::kFound : Status::kNever, pose};
   } catch (const tf2::ExtrapolationException&) {
@@ -192,7 +219,7 @@ std::optional<TransformHistory::Newest> TransformHistory::newest(const std::stri
                                                                  const std::string& source) const {
   if (target == source) return Newest{Time(), Pose::Identity(), true};
   try {
-    const auto transform = buffer_.lookupTransform(target, source, ros::Time(0));
+    const auto transform = buffer_->lookupTransform(target, source, ros::Time(0));
     const bool is_moving = visitMoving(target, source, [](const Frame&) { return true; });
     const Pose pose(tf2::transformToEigen(transform));
     if (!pose.matrix().allFinite()) return std::nullopt;

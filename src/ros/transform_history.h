@@ -6,11 +6,13 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "base/frame_name.h"
+#include "ros/conversions.h"
 #include "tccm_monitor/pose.h"
 
 namespace tccm {
@@ -19,15 +21,25 @@ namespace tccm {
 /// across a gap in which a transform was not heard of: tf2 alone would do that silently.
 class TransformHistory {
  public:
+  static constexpr std::size_t kNamesMax = 2000;  ///< of frames; tf2 never forgets one
+
   /// @param gap_max nothing is interpolated across a longer gap.
-  explicit TransformHistory(Duration gap_max) : gap_max_(gap_max) {}
+  /// @param kept transforms that are older than the newest by more are forgotten.
+  explicit TransformHistory(Duration gap_max, Duration kept = std::chrono::seconds(10))
+      : gap_max_(gap_max), kept_(kept), buffer_(std::make_unique<tf2::BufferCore>(toRos(kept))) {}
 
   /// Where stamps jump back by more than a second, all but static transforms are forgotten.
   /// Frames may start with a slash. What is no transform (NaN, a quaternion of another length than
   /// 1, no child) is refused and counted; of several of one frame and stamp the first holds, as in
   /// tf2.
+  /// A frame that comes on /tf_static and was not static, or the other way about, is so from then
+  /// on, and all that moves is forgotten.
   void add(const tf2_msgs::TFMessage& message, bool is_static);
+  /// All but static transforms is forgotten.
   void clear();
+  /// What time it is by the clock. Where that steps back by more than 0.1 s, all but static
+  /// transforms is forgotten: what was said of times to come is not of these.
+  void setNow(Time now);
   /// Whether any transform, to it or from it, was heard of.
   [[nodiscard]] bool hasFrame(const std::string& frame) const { return frames_.count(frame) > 0; }
   /// Why transforms were passed over or refused, for people: of frames' names only so many are
@@ -75,8 +87,11 @@ class TransformHistory {
   struct Frame {
     const Frame* parent = nullptr;  ///< none: the last one above
     bool is_static = false;
-    std::vector<Time> stamps;  ///< ascending; none where it is static
+    std::vector<Time> stamps;                    ///< ascending; none where it is static
+    geometry_msgs::TransformStamped fixed = {};  ///< where it is static
   };
+  /// @param turned the frame that is static now, or is not any more.
+  void makeAnew(const Frame& turned);
   /// @return nothing where no more frames may be known.
   [[nodiscard]] Frame* frameOf(const std::string& name);
   /// How many frames lie above.
@@ -87,14 +102,17 @@ class TransformHistory {
   bool visitMoving(const std::string& target, const std::string& source, Visit&& visit) const;
   [[nodiscard]] static Status around(const std::vector<Time>& stamps, Time stamp, Duration gap_max);
 
-  tf2::BufferCore buffer_;
-  Duration gap_max_;
+  Duration gap_max_, kept_;
+  std::unique_ptr<tf2::BufferCore> buffer_;
+  Time now_;
   std::map<std::string, Frame> frames_;        ///< never taken out, as in tf2
   geometry_msgs::TransformStamped transform_;  ///< as handed to tf2, reused
   std::size_t passed_over_ = 0;
   std::size_t refused_ = 0;
   const char* why_refused_ = "";  ///< the last one
   std::string refused_frame_;
+  std::size_t turned_ = 0;
+  std::string turned_frame_;
 };
 
 /// Feeds a history from /tf and /tf_static, in the callback queue of the node it is given: no

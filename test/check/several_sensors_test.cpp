@@ -279,6 +279,36 @@ TEST_F(SeveralSensorsTest, WhatASensorSeesThatFailsIsAnObstacleAllTheSame) {
   EXPECT_TRUE(runBoth(kStart, kStart + 0.5, clear_, filling, kAtThePost).collision);
 }
 
+TEST_F(SeveralSensorsTest, WhatASensorSawWhoseMapBeginsAnewIsAnObstacleAllTheSame) {
+  remakeWithCamera(false);
+  CuboidMap blind_to_it = clear_;
+  blind_to_it.looks.clear();
+  CuboidMap sees = post_to_camera_, begun = clear_to_camera_, cleared = clear_to_camera_;
+  sees.hold = fromSeconds(1.0);
+  begun.complete = cleared.complete = false;
+  begun.hold = cleared.hold = sees.hold;
+  cleared.looks.clear();
+  runBoth(kStart, kStart + 0.5, blind_to_it, sees);
+  EXPECT_TRUE(runBoth(kStart + 0.5, kStart + 1.3, blind_to_it, begun, kAtThePost).collision);
+  EXPECT_FALSE(runBoth(kStart + 1.3, kStart + 1.7, blind_to_it, begun, kAtThePost).collision)
+      << "no longer than it would be held";
+  remakeWithCamera(false);
+  runBoth(kStart, kStart + 0.5, blind_to_it, sees);
+  EXPECT_FALSE(runBoth(kStart + 0.5, kStart + 1.0, blind_to_it, cleared, kAtThePost).collision)
+      << "that is what clear_map is for";
+}
+
+TEST_F(SeveralSensorsTest, WhatASensorSawWhoseMapIsClearedIsNoEvidence) {
+  remakeWithCamera(false);
+  CuboidMap blind_to_it = clear_, cleared = clear_to_camera_;
+  blind_to_it.looks.clear();
+  cleared.looks.clear();
+  cleared.complete = false;
+  runBoth(kStart, kStart + 1.0, blind_to_it, clear_to_camera_);
+  EXPECT_EQ(runBoth(kStart + 1.0, kStart + 1.1, blind_to_it, cleared, 0.0, 0.5).unseen_fraction,
+            1.0);
+}
+
 TEST_F(SeveralSensorsTest, NoLookOfAFailedSensorIsDue) {
   config_.governed_speed.appear_distance_m = 0.15;
   CuboidMap slow = clear_, quick = clear_to_camera_, elsewhere = clear_to_camera_;

@@ -136,7 +136,7 @@ TEST(MapperForgetTest, WhatTheRobotsRegionCutsInTwoWithoutRoomMakesTheMapNotToBe
   feed.mapper().forget({{{Sphere{0.05}, Pose(Eigen::Translation3d(0.15, 0.15, 0.49))}, 0.03}},
                        at(0.0));
   EXPECT_TRUE(feed.map().overflowed);
-  feed.scan({}, kWindow);
+  feed.scan({}, static_cast<int>(tight.hold.longest_s / test::kScanPeriod));
   EXPECT_FALSE(feed.map().overflowed);
 }
 

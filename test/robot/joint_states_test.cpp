@@ -265,6 +265,15 @@ TEST(FixedJointTest, AFixedJointThatIsPublishedElsewhereLeavesThePoseUnknown) {
   EXPECT_FALSE(hear(1.02, std::numeric_limits<double>::quiet_NaN()));
   EXPECT_TRUE(hear(1.03, 0.5));
   EXPECT_EQ(states.contradiction(), "");
+  // Whoever published it may be gone.
+  EXPECT_FALSE(hear(2.0, 0.6));
+  const auto hearOther = [&](double seconds) {
+    states.add(Time(fromSeconds(seconds)), {"slide"}, {0.1}, {});
+    return states.at(Time(fromSeconds(seconds)), positions);
+  };
+  EXPECT_FALSE(hearOther(3.9));
+  EXPECT_TRUE(hearOther(4.1));
+  EXPECT_EQ(states.contradiction(), "");
 }
 
 TEST_F(JointStatesTest, AVelocityThatIsMissingIsSaid) {

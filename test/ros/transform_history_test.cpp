@@ -352,5 +352,39 @@ TEST_F(TransformHistoryTest, EverNewNamesArePassedOverAndThoseKnownBeforeGoOn) {
   EXPECT_EQ(statusAt("nobody2900", "new2900", 1.0), Status::kNotYet);
 }
 
+TEST_F(TransformHistoryTest, AFrameThatMovesAfterAllIsInterpolated) {
+  fix("odom", "base", 5.0);
+  fix("base", "mount", 0.25);
+  for (int i = 0; i <= 10; ++i) move("odom", "base", 1.0 + 0.05 * i, 0.1 * i);
+  EXPECT_NEAR(xAt("odom", "base", 1.225), 0.45, 1e-9);
+  EXPECT_NEAR(xAt("odom", "mount", 1.225), 0.7, 1e-9) << "what else is static stays";
+  const auto newest = history_.newest("odom", "base");
+  ASSERT_TRUE(newest);
+  EXPECT_EQ(newest->stamp, at(1.5));
+  EXPECT_FALSE(newest->is_static);
+  EXPECT_NE(history_.defect().find("base was heard of both on /tf and on /tf_static"),
+            std::string::npos)
+      << history_.defect();
+}
+
+TEST_F(TransformHistoryTest, AFrameThatIsStaticAfterAllIsKnownAtAnyTime) {
+  for (int i = 0; i <= 10; ++i) move("odom", "base", 1.0 + 0.05 * i, 0.1 * i);
+  fix("odom", "base", 5.0);
+  EXPECT_NEAR(xAt("odom", "base", 100.0), 5.0, 1e-9);
+  const auto newest = history_.newest("odom", "base");
+  ASSERT_TRUE(newest && newest->is_static);
+}
+
+TEST_F(TransformHistoryTest, WhatWasSaidOfTimesToComeIsForgottenWhereTheClockStepsBack) {
+  fix("base", "mount", 0.25);
+  history_.setNow(at(1.5));
+  for (int i = 0; i <= 10; ++i) move("odom", "base", 1.0 + 0.05 * i, 0.1 * i);
+  history_.setNow(at(1.45));
+  EXPECT_EQ(statusAt("odom", "mount", 1.3), Status::kFound) << "a clock is set by less";
+  history_.setNow(at(1.2));
+  EXPECT_NE(statusAt("odom", "mount", 1.3), Status::kFound);
+  EXPECT_NEAR(xAt("base", "mount", 1.3), 0.25, 1e-9);
+}
+
 }  // namespace
 }  // namespace tccm

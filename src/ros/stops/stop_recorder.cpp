@@ -10,11 +10,13 @@
 #include "check/check_inputs.h"
 #include "ros/conversions.h"
 #include "ros/stops/message_delta.h"
+#include "ros/transform_history.h"
 
 namespace tccm {
 namespace {
 
 constexpr Duration kCloudPeriod = std::chrono::milliseconds(200);  // of those of cameras
+constexpr Duration kEndsLate = std::chrono::seconds(1);            // that a trajectory may
 constexpr std::size_t kCallsWaiting = 4;
 
 /// What a file may be called.
@@ -57,8 +59,9 @@ tccm_monitor::AttachedObject toMessage(const AttachedObject& object) {
   return message;
 }
 
-ros::Duration lengthOf(const trajectory_msgs::JointTrajectory& trajectory) {
-  return trajectory.points.empty() ? ros::Duration() : trajectory.points.back().time_from_start;
+Duration lengthOf(const trajectory_msgs::JointTrajectory& trajectory) {
+  if (trajectory.points.empty()) return {};
+  return std::chrono::nanoseconds(trajectory.points.back().time_from_start.toNSec());
 }
 
 /// As for CommandedTrajectories::command(): one that names no joint concerns all.
@@ -115,7 +118,7 @@ void StopRecorder::transforms(Time now, const tf2_msgs::TFMessage& message, bool
         return other.child_frame_id == transform.child_frame_id;
       });
       if (same == known.end()) {
-        known.push_back(transform);
+        if (known.size() < TransformHistory::kNamesMax) known.push_back(transform);
       } else {
         *same = transform;
       }
@@ -156,12 +159,12 @@ void StopRecorder::trajectory(Time now, const trajectory_msgs::JointTrajectory& 
 
 void StopRecorder::forgetEnded(Time now) {
   if (misunderstands_) return;  // until something else is commanded
-  const ros::Time ros_now = toRos(now);
   for (std::size_t i = state_.trajectories.size(); i-- > 0;) {
     const auto& trajectory = state_.trajectories[i];
-    const ros::Time start =
-        trajectory.header.stamp.isZero() ? state_.commanded[i] : trajectory.header.stamp;
-    if (start + lengthOf(trajectory) + ros::Duration(1.0) > ros_now) continue;
+    // Not as ROS has it, which throws where a stamp is near the end of its times.
+    const Time start =
+        toTime(trajectory.header.stamp.isZero() ? state_.commanded[i] : trajectory.header.stamp);
+    if (start + lengthOf(trajectory) + kEndsLate > now) continue;
     state_.trajectories.erase(state_.trajectories.begin() + static_cast<std::ptrdiff_t>(i));
     state_.commanded.erase(state_.commanded.begin() + static_cast<std::ptrdiff_t>(i));
   }

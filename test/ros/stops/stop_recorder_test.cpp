@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "ros/transform_history.h"
 #include "support/temporary_folder.h"
 #include "tccm_monitor/CheckerState.h"
 
@@ -60,6 +61,7 @@ class StopRecorderTest : public testing::Test {
     for (const rosbag::MessageInstance& message : rosbag::View(bag, rosbag::TopicQuery(topic))) {
       last = message.instantiate<tccm_monitor::CheckerState>();
     }
+    state_ = *last;
     std::vector<std::vector<std::string>> joints;
     for (const auto& trajectory : last->trajectories) joints.push_back(trajectory.joint_names);
     return joints;
@@ -68,6 +70,7 @@ class StopRecorderTest : public testing::Test {
   test::TemporaryFolder folder_;
   Time now_ = Time(std::chrono::seconds(100));
   Verdict verdict_;
+  tccm_monitor::CheckerState state_;  ///< as known() read it
   StopRecorder recorder_{{folder_.path(), 5, 8.0}, {"a: 1", "<robot/>", "b: 2"}, {""}};
 };
 
@@ -97,6 +100,26 @@ TEST_F(StopRecorderTest, WhatIsNotUnderstoodStaysUntilItIsTakenBack) {
   now_ += std::chrono::seconds(60);
   command(moving({"torso"}));
   EXPECT_EQ(known(), (Joints{{"torso"}}));
+}
+
+TEST_F(StopRecorderTest, ATrajectoryOfTheEndOfTimeIsWhatIsCommanded) {
+  trajectory_msgs::JointTrajectory endless = moving({"shoulder"});
+  endless.header.stamp = ros::TIME_MAX;
+  command(endless);
+  command(moving({"torso"}));
+  EXPECT_EQ(known(), (Joints{{"shoulder"}, {"torso"}}));
+}
+
+TEST_F(StopRecorderTest, OfEverNewStaticFramesSoManyAreKnown) {
+  tf2_msgs::TFMessage message;
+  message.transforms.resize(1);
+  message.transforms.front().header.frame_id = "base";
+  for (int i = 0; i < 2500; ++i) {
+    message.transforms.front().child_frame_id = "frame" + std::to_string(i);
+    recorder_.transforms(now_, message, true);
+  }
+  known();
+  EXPECT_EQ(state_.static_transforms.size(), TransformHistory::kNamesMax);
 }
 
 TEST_F(StopRecorderTest, AfterTimeBeganAnewNothingIsCommanded) {
