@@ -40,7 +40,8 @@ void SensorMaps::unite(Time now, const std::vector<Source>& sources, bool maps_c
   each_.clear();
   kept_.clear();
   for (const Source& source : sources) {
-    if (!source.seen) continue;
+    // Where its cuboids have no place any more, its looks prove nothing.
+    if (!source.seen || (!sources_.empty() && !fit(*sources_.front().map, *source.seen))) continue;
     kept_.push_back(source.seen);
     each_.push_back({source.seen.get(), source.is_out});
   }

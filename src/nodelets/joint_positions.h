@@ -51,6 +51,7 @@ class JointPositions {
       joint.was_heard = true;
     }
   }
+
   /// Where joints are now, if they went on as they were going. @param age_max of what is known.
   /// @return whether that is known of all; else both are left empty.
   [[nodiscard]] static bool expect(const std::vector<const Joint*>& joints, Time now,

@@ -309,6 +309,19 @@ TEST_F(SeveralSensorsTest, WhatASensorSawWhoseMapIsClearedIsNoEvidence) {
             1.0);
 }
 
+TEST_F(SeveralSensorsTest, WhatASensorSawOfOtherCellsIsNoEvidence) {
+  remakeWithCamera(false);
+  CuboidMap blind_to_it = clear_;
+  blind_to_it.looks.clear();
+  runBoth(kStart, kStart + 1.0, blind_to_it, clear_to_camera_);
+  Grid::Config lower = blind_to_it.grid.config();  // its mapper was started anew
+  lower.height_min_m -= 0.1;
+  blind_to_it.grid = Grid(lower);
+  EXPECT_EQ(
+      runBoth(kStart + 1.0, kStart + 1.1, blind_to_it, clear_to_camera_, 0.0, 0.5).unseen_fraction,
+      1.0);
+}
+
 TEST_F(SeveralSensorsTest, NoLookOfAFailedSensorIsDue) {
   config_.governed_speed.appear_distance_m = 0.15;
   CuboidMap slow = clear_, quick = clear_to_camera_, elsewhere = clear_to_camera_;

@@ -3,107 +3,20 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <optional>
 #include <vector>
+
+#include "support/gated_motion_fixture.h"
 
 namespace tccm {
 namespace {
 
+using test::GatedMotionTest;
+using test::kCycle;
+using test::kLookahead;
+using test::kPermissionPeriod;
+using test::smoothTenRadians;
+using test::tenRadians;
 using End = GatedMotion::End;
-
-constexpr double kCycle = 0.005;            // [s]
-constexpr double kPermissionPeriod = 0.02;  // [s]
-constexpr double kLookahead = 0.04;         // [s]
-
-/// From 0 to 10 rad at 1 rad/s.
-JudgedGoal tenRadians() {
-  JudgedGoal goal;
-  goal.way.names = {"a"};
-  goal.way.points.resize(2);
-  goal.way.points[0].positions = {0.0};
-  goal.way.points[1].positions = {10.0};
-  goal.way.points[1].time_s = 10.0;
-  goal.tolerances.path.resize(1);
-  goal.tolerances.end.resize(1);
-  return goal;
-}
-
-/// A motion, the time, a monitor that permits as it is told, and an arm that follows.
-class GatedMotionTest : public ::testing::Test {
- protected:
-  [[nodiscard]] Instant now() const {
-    return {Time(fromSeconds(1000.0 + elapsed_)), fromSeconds(5.0 + elapsed_)};
-  }
-
-  void permit(double scale = 1.0) {
-    HeardPermission heard;
-    heard.stamp = now().stamp;
-    heard.valid_until = heard.stamp + fromSeconds(2.5 * kPermissionPeriod);
-    heard.sequence = ++sequence_;
-    heard.permitted = scale > 0.0;
-    heard.speed_scale = scale;
-    heard.why = "COLLISION, told so";
-    gate_.hear(heard, now());
-  }
-
-  void setOff(JudgedGoal goal = tenRadians()) {
-    permit();
-    goal.start = std::max(goal.start, now().stamp);
-    motion_.begin(goal, now(), gate_);
-    ends_.clear();
-    tell();
-  }
-
-  void tell() {
-    told_ = motion_.rest(now());
-    told_at_ = elapsed_;
-    ++tellings_;
-  }
-
-  void step() {
-    const GatedMotion::Step step = motion_.step(now(), gate_, {arm_ + off_}, {});
-    if (step.end != End::kNone) {
-      ends_.push_back(step.end);
-      text_ = step.text;
-      EXPECT_FALSE(motion_.active());
-      EXPECT_EQ(step.setpoint, nullptr);
-      return;
-    }
-    if (step.setpoint == nullptr) return;
-    arm_ = motion_.desired().positions[0];
-    setpoint_ = *step.setpoint;
-    if (step.is_retimed) tell();
-  }
-
-  /// @param scale of the permissions meanwhile; below 0: silence.
-  void run(double seconds, double scale = 1.0) {
-    const double end = elapsed_ + seconds - 0.5 * kCycle;
-    for (int cycle = 0; elapsed_ < end; ++cycle) {
-      elapsed_ += kCycle;
-      if (cycle % 4 == 3 && scale >= 0.0) permit(scale);
-      if (motion_.active()) step();
-    }
-  }
-
-  [[nodiscard]] double position() const { return setpoint_.positions.at(0); }
-  [[nodiscard]] double velocity() const { return setpoint_.velocities.at(0); }
-  [[nodiscard]] bool endedOnceWith(End end) const {
-    return ends_ == std::vector<End>{end} && !motion_.active();
-  }
-
-  GatedMotion::Config config_;
-  GatedMotion motion_{config_};
-  PermissionGate gate_;
-  double elapsed_ = 0.0;
-  std::uint32_t sequence_ = 0;
-  double arm_ = 0.0, off_ = 0.0;
-  GoalPath::Sample setpoint_;
-  JointTrajectory told_;
-  double told_at_ = 0.0;
-  int tellings_ = 0;
-  std::vector<End> ends_;
-  std::string text_;
-};
 
 TEST_F(GatedMotionTest, SetsOffGentlyAndReachesTheGoal) {
   setOff();
@@ -313,115 +226,6 @@ TEST_F(GatedMotionTest, AnArmThatIsNowhereDoesNotFollowWhateverTheTolerances) {
   off_ = std::nan("");
   run(kCycle);
   EXPECT_TRUE(endedOnceWith(End::kOffPath));
-}
-
-/// An arm that does what it is planned to, and a way that is straight, or curved.
-class PlannedMotionTest : public GatedMotionTest {
- protected:
-  PlannedMotionTest() {
-    config_.pace = GatedMotion::Pace::kPlans;
-    config_.stop_duration_s = 0.3;
-    motion_ = GatedMotion(config_);
-  }
-  void setOffPlanned(const JudgedGoal& goal) {
-    setOff(goal);
-    take();
-  }
-  void take() {
-    plan_.emplace(motion_.plan());
-    planned_at_ = elapsed_;
-    ++plans_;
-  }
-  /// One cycle. @return the scale at which the plan goes.
-  void cycle(double scale) {
-    elapsed_ += kCycle;
-    permit(scale);
-    GoalPath::Sample sample;
-    plan_->at(elapsed_ - planned_at_, sample);
-    arm_ = sample.positions[0];
-    velocity_ = sample.velocities[0];
-    step_ = motion_.step(now(), gate_, {arm_}, {});
-    if (step_.is_replanned) take();
-  }
-
-  std::optional<GoalPath> plan_;
-  double planned_at_ = 0.0, velocity_ = 0.0;
-  int plans_ = 0;
-  GatedMotion::Step step_;
-};
-
-JudgedGoal smoothTenRadians() {
-  JudgedGoal goal = tenRadians();
-  goal.way.points.clear();
-  for (int i = 0; i <= 10; ++i) {
-    const double u = 0.1 * i;
-    goal.way.points.push_back(
-        {10.0 * u, {10.0 * u * u * (3.0 - 2.0 * u)}, {6.0 * u * (1.0 - u)}, {}});
-  }
-  return goal;
-}
-
-TEST_F(PlannedMotionTest, AtFullSpeedThePlanIsTheWay) {
-  setOffPlanned(smoothTenRadians());
-  EXPECT_EQ(motion_.plan().points.size(), 11U);
-  for (int i = 0; i < 1000; ++i) cycle(1.0);
-  EXPECT_EQ(plans_, 1);
-  EXPECT_NEAR(arm_, 5.0, 1e-6);
-}
-
-TEST_F(PlannedMotionTest, ThePlanIsWhereTheMotionIsAndNeverFasterThanPermitted) {
-  for (const bool is_smooth : {false, true}) {
-    arm_ = 0.0;
-    plans_ = 0;
-    setOffPlanned(is_smooth ? smoothTenRadians() : tenRadians());
-    double slow_since = 0.0, permitted = 1.0;
-    for (int i = 0; i < 2000 && motion_.active(); ++i) {
-      const double scale = i < 200 ? 1.0 : i < 500 ? 0.4 : i < 800 ? 0.05 : i < 1200 ? 0.7 : 0.3;
-      if (scale < permitted) slow_since = elapsed_;
-      permitted = scale;
-      cycle(scale);
-      ASSERT_NEAR(arm_, motion_.desired().positions[0], 5e-3) << i;
-      if (elapsed_ - slow_since < 0.31 + kCycle) continue;
-      const double full = is_smooth ? 1.5 : 1.0;
-      EXPECT_LE(velocity_, full * scale * (1.0 + 1e-6)) << i;
-    }
-    EXPECT_LT(plans_, 8);
-  }
-}
-
-TEST_F(PlannedMotionTest, AnEndThatComesWhileItSlowsDownIsReached) {
-  setOffPlanned(tenRadians());
-  for (int i = 0; i < 1980; ++i) cycle(1.0);
-  for (int i = 0; i < 100; ++i) cycle(0.3);
-  EXPECT_NEAR(arm_, 10.0, 1e-9);
-  EXPECT_GE(plan_->duration(), 0.1);
-}
-
-TEST_F(PlannedMotionTest, BeyondTheEndNothingIsPlannedWhateverIsPermitted) {
-  setOffPlanned(tenRadians());
-  for (int i = 0; i < 2010; ++i) cycle(1.0);
-  ASSERT_TRUE(motion_.active());
-  const int plans = plans_;
-  for (const double scale : {0.5, 0.2, 1.0}) {
-    for (int i = 0; i < 10; ++i) cycle(scale);
-    EXPECT_EQ(motion_.plan().points.size(), 1U) << scale;
-  }
-  EXPECT_EQ(plans_, plans);
-}
-
-TEST_F(PlannedMotionTest, AScaleThatTremblesMakesFewPlans) {
-  setOffPlanned(tenRadians());
-  for (int i = 0; i < 1000; ++i) cycle(0.8 + 0.05 * std::sin(0.3 * i));
-  EXPECT_LT(plans_, 5);
-}
-
-TEST_F(PlannedMotionTest, WhoJudgesTheEndIsTheController) {
-  setOffPlanned(tenRadians());
-  for (int i = 0; i < 2100; ++i) cycle(1.0);
-  EXPECT_TRUE(motion_.active());
-  for (int i = 0; i < 400 && motion_.active(); ++i) cycle(1.0);
-  EXPECT_EQ(step_.end, End::kOffGoal);
-  EXPECT_NE(step_.text.find("controller does not say"), std::string::npos) << step_.text;
 }
 
 TEST_F(GatedMotionTest, AnArmThatStaysBehindDoesNotFollow) {
